@@ -1,0 +1,1 @@
+"""loopgap: record, model, compensate and explain hysteresis loops of wire-driven robots."""

@@ -1,0 +1,220 @@
+"""The schemas of all configuration; `conf/` holds the choices."""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+from omegaconf import MISSING
+
+STAGES = (
+    "acquisition",
+    "vision",
+    "selection",
+    "training",
+    "compensation",
+    "evaluation",
+    "diagnosis",
+)
+
+
+@dataclass
+class AxisMotion:
+    """How far one axis is driven [deg of motor shaft]."""
+
+    amplitude_deg: float = 60.0
+
+
+@dataclass
+class AcquisitionConfig:
+    """The protocol of the paper: cycles of equal steps, a pause, an image."""
+
+    axes: list[str] = field(default_factory=lambda: ["yaw", "pitch"])
+    cycles: int = 9
+    steps_per_cycle: int = 200
+    pause_s: float = 3.0
+    amplitude_deg: dict[str, float] = field(default_factory=lambda: {"yaw": 60.0, "pitch": 60.0})
+    commands: str | None = None
+    clock: str = "simulated"
+
+
+@dataclass
+class RobotConfig:
+    """Which robot: `kind` is `emulated` or `epos2`; the latter needs a serial port."""
+
+    kind: str = MISSING
+    port: str | None = None
+    baud: int = 115200
+    nodes: dict[str, int] = field(default_factory=lambda: {"yaw": 1, "pitch": 2})
+    profile_velocity_rpm: int = 500
+    profile_acceleration_rpm_s: int = 5000
+
+
+@dataclass
+class CameraConfig:
+    """Which camera: `kind` is `twin`, `v4l2` or `folder`."""
+
+    kind: str = MISSING
+    width_px: int = 1008
+    height_px: int = 756
+    jpeg_quality: int = 92
+    devices: dict[str, int] = field(default_factory=dict)
+    folder: str | None = None
+    stale_frames: int = 4
+
+
+@dataclass
+class AxisTwin:
+    """Nominal curve and play of a simulated axis; `terms` are further physics by name."""
+
+    gain: float = 0.70
+    cubic: float = 1.0e-5
+    play_half_width_deg: float = 0.0
+    noise_deg: float = 0.0
+    terms: list[Any] = field(default_factory=list)
+
+
+@dataclass
+class TwinConfig:
+    """The simulated robot."""
+
+    yaw: AxisTwin = field(default_factory=AxisTwin)
+    pitch: AxisTwin = field(default_factory=AxisTwin)
+
+
+@dataclass
+class VisionConfig:
+    """HSV ranges (OpenCV: H 0-179) and the geometry that makes a pair of markers believable."""
+
+    green_hue: list[int] = field(default_factory=lambda: [40, 85])
+    green_saturation: int = 70
+    green_value: int = 40
+    red_hue_low: list[int] = field(default_factory=lambda: [0, 10])
+    red_hue_high: list[int] = field(default_factory=lambda: [170, 179])
+    red_saturation: int = 90
+    red_value: int = 50
+    gate_deviations: float = 5.0
+    workers: int = 2
+
+
+@dataclass
+class SplitConfig:
+    """Which cycles train and test: `paper`, `leave_three_out`, `k_fold` or `explicit`."""
+
+    kind: str = MISSING
+    index: int = 0
+    folds: int = 3
+    train: list[int] = field(default_factory=list)
+    test: list[int] = field(default_factory=list)
+
+
+@dataclass
+class SelectionConfig:
+    """How K is chosen; a number in `k` fixes it."""
+
+    criterion: str = "bic"
+    k: int | None = None
+    k_max: int = 20
+    n_init: int = 5
+
+
+@dataclass
+class TrainingConfig:
+    """Expectation maximisation on standardised data."""
+
+    n_init: int = 10
+    reg_covar: float = 1e-5
+    max_iterations: int = 500
+
+
+@dataclass
+class StepRuleConfig:
+    """One step rule of the inverse search."""
+
+    name: str = MISSING
+
+
+@dataclass
+class ArmijoConfig(StepRuleConfig):
+    name: str = "armijo"
+    initial: float = 1.0
+    shrink: float = 0.5
+    slope_share: float = 1e-4
+
+
+@dataclass
+class ConstantConfig(StepRuleConfig):
+    name: str = "constant"
+    step: float = 0.5
+
+
+@dataclass
+class DiminishingConfig(StepRuleConfig):
+    name: str = "diminishing"
+    initial: float = 1.0
+    power: float = 0.5
+
+
+@dataclass
+class BarzilaiBorweinConfig(StepRuleConfig):
+    name: str = "barzilai_borwein"
+    initial: float = 0.5
+
+
+@dataclass
+class NewtonConfig(StepRuleConfig):
+    name: str = "newton"
+
+
+@dataclass
+class CompensationConfig:
+    """The inverse search: desired angles in, commands out."""
+
+    algorithm: str = "corrected"
+    step_rule: StepRuleConfig = field(default_factory=ArmijoConfig)
+    tolerance_deg: float = 1e-6
+    max_iterations: int = 200
+    targets: int = 100
+    target_amplitude_deg: float = 38.0
+
+
+@dataclass
+class EvaluationConfig:
+    """How the tables are made."""
+
+    tip_length_mm: float = 3.0
+
+
+@dataclass
+class ToleranceConfig:
+    """How far the simulation's gain, offset [unit] and curve [unit] are trusted."""
+
+    gain: float = 0.05
+    offset: float = 2.0
+    shape: float = 0.0
+
+
+@dataclass
+class DiagnosisConfig:
+    """How a mismatch is looked for."""
+
+    tolerance: ToleranceConfig = field(default_factory=ToleranceConfig)
+
+
+@dataclass
+class Config:
+    """Everything that one run is told."""
+
+    stages: list[str] = field(default_factory=lambda: list(STAGES))
+    seed: int = 0
+    recording: str | None = None
+    model: str | None = None
+    acquisition: AcquisitionConfig = field(default_factory=AcquisitionConfig)
+    robot: RobotConfig = field(default_factory=RobotConfig)
+    camera: CameraConfig = field(default_factory=CameraConfig)
+    twin: TwinConfig = field(default_factory=TwinConfig)
+    vision: VisionConfig = field(default_factory=VisionConfig)
+    split: SplitConfig = field(default_factory=SplitConfig)
+    selection: SelectionConfig = field(default_factory=SelectionConfig)
+    training: TrainingConfig = field(default_factory=TrainingConfig)
+    compensation: CompensationConfig = field(default_factory=CompensationConfig)
+    evaluation: EvaluationConfig = field(default_factory=EvaluationConfig)
+    diagnosis: DiagnosisConfig = field(default_factory=DiagnosisConfig)

@@ -1,0 +1,381 @@
+"""A recording: samples of named channels with units and roles, and the folder that holds it."""
+
+import csv
+import json
+import os
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from pipeline.errors import LoopgapError, refusal
+
+SCHEMA = "loopgap.recording/1"
+CONTEXT_COLUMNS = ("time_s", "cycle", "step")
+ROLES = ("command", "measurement", "simulation", "encoder", "other")
+NAME_UNITS = (
+    "deg", "rad", "m", "mm", "um", "px", "n", "mn", "nm", "v", "a", "ma", "qc", "rpm",
+    "deg_s", "rad_s", "m_s", "mm_s", "m_s2",
+)  # fmt: skip
+REVERSAL_SHARE = 0.01
+
+
+class RecordingError(LoopgapError):
+    """A recording is not as the format says."""
+
+
+@dataclass(frozen=True)
+class Channel:
+    """One column of samples: name, role, unit; `of` names what a simulation simulates."""
+
+    name: str
+    role: str
+    unit: str
+    of: str | None = None
+
+    def as_json(self) -> dict[str, str]:
+        entry = {"name": self.name, "role": self.role, "unit": self.unit}
+        return entry | {"of": self.of} if self.of else entry
+
+
+@dataclass(frozen=True)
+class Recording:
+    """Samples (one row each: `time_s`, `cycle`, `step`, then the channels) and what they mean.
+
+    `samples` always has the three context columns; empty measurements are NaN.
+    """
+
+    samples: pd.DataFrame
+    channels: tuple[Channel, ...]
+    source: str = "real"
+
+    def channel(self, name: str) -> Channel:
+        """The channel called `name`; RecordingError names those that exist."""
+        for channel in self.channels:
+            if channel.name == name:
+                return channel
+        names = ", ".join(c.name for c in self.channels)
+        raise RecordingError(
+            refusal("recording", f"a channel {name!r}", f"channels {names}", "Name one of these.")
+        )
+
+    def with_role(self, role: str) -> tuple[Channel, ...]:
+        """All channels of a role, in their order."""
+        return tuple(c for c in self.channels if c.role == role)
+
+    def values(self, name: str) -> np.ndarray:
+        """Samples of a channel or context column, shape (n,), float; NaN where not measured."""
+        return self.samples[name].to_numpy(dtype=float)
+
+    def simulation_of(self, measurement: str) -> Channel | None:
+        """The simulation channel of a measurement, if the recording carries one."""
+        return next((c for c in self.channels if c.of == measurement), None)
+
+    def with_channel(self, channel: Channel, values: np.ndarray) -> "Recording":
+        """The same recording with one more channel; `values` has shape (n,)."""
+        samples = self.samples.assign(**{channel.name: values})
+        return replace(self, samples=samples, channels=(*self.channels, channel))
+
+    def cycles(self, wanted: Sequence[int]) -> "Recording":
+        """Only the rows of the wanted cycles, in their order; RecordingError if one is empty."""
+        present = set(self.samples["cycle"].unique())
+        missing = sorted(set(wanted) - present)
+        if missing:
+            raise RecordingError(
+                refusal(
+                    "recording",
+                    f"samples in cycles {sorted(wanted)}",
+                    f"none in {missing} (it has {sorted(int(c) for c in present)})",
+                    "Choose cycles that were recorded.",
+                )
+            )
+        return replace(self, samples=self.samples[self.samples["cycle"].isin(list(wanted))])
+
+    def require(self, samples: int, work: str) -> None:
+        """Refuse work that needs more samples than there are."""
+        if len(self.samples) < samples:
+            raise RecordingError(
+                refusal(
+                    "recording",
+                    f"at least {samples} samples for {work}",
+                    f"{len(self.samples)}",
+                    "Record more steps.",
+                )
+            )
+
+
+def branch_of(command: np.ndarray) -> np.ndarray:
+    """Direction of travel of each sample: +1 ascending (cw), -1 descending (ccw), shape (n,).
+
+    Where the command stands still the last direction is held; the first samples take the first
+    direction that follows. A command that never moves is 0 everywhere.
+    """
+    step = np.sign(np.diff(command, prepend=command[:1]))
+    moving = np.flatnonzero(step)
+    if moving.size == 0:
+        return np.zeros(len(command), dtype=int)
+    last = np.maximum.accumulate(np.where(step != 0, np.arange(len(step)), moving[0]))
+    return step[last].astype(int)
+
+
+def reversals_of(command: np.ndarray) -> np.ndarray:
+    """Indices of the samples at which the command turns round, shape (r,).
+
+    A turn counts once the command has come back by 1 % of its range, so that encoder noise is none.
+    """
+    threshold = REVERSAL_SHARE * float(np.ptp(command)) if len(command) else 0.0
+    if threshold == 0.0:
+        return np.zeros(0, dtype=int)
+    turns: list[int] = []
+    direction, extreme = 0, 0
+    low = high = 0
+    for i, value in enumerate(command):
+        if direction == 0:
+            low = i if value < command[low] else low
+            high = i if value > command[high] else high
+            if value - command[low] >= threshold:
+                direction, extreme = 1, i
+            elif command[high] - value >= threshold:
+                direction, extreme = -1, i
+        elif direction * (value - command[extreme]) >= 0:
+            extreme = i
+        elif direction * (command[extreme] - value) >= threshold:
+            turns.append(extreme)
+            direction, extreme = -direction, i
+    return np.asarray(turns, dtype=int)
+
+
+def cycles_from_reversals(command: np.ndarray) -> np.ndarray:
+    """Cycle of each sample, from 0, shape (n,).
+
+    A cycle ends where the command, after at least two reversals, passes its first value again
+    in the direction in which it left it.
+    """
+    turns = reversals_of(command)
+    cycle = np.zeros(len(command), dtype=int)
+    if len(turns) < 2:
+        return cycle
+    start = command[0]
+    first_direction = 1.0 if command[turns[0]] > start else -1.0
+    begins = [0]
+    while True:
+        later = turns[turns > begins[-1]]
+        if len(later) < 2:
+            break
+        after = np.arange(later[1], len(command))
+        passed = after[first_direction * (command[after] - start) >= -1e-9 * abs(np.ptp(command))]
+        if passed.size == 0:
+            break
+        begins.append(int(passed[0]))
+    for number, begin in enumerate(begins):
+        cycle[begin:] = number
+    return cycle
+
+
+def with_context(samples: pd.DataFrame, channels: Sequence[Channel]) -> pd.DataFrame:
+    """Add `cycle` and `step` where they are absent, from the command that travels farthest."""
+    samples = samples.copy()
+    if "cycle" not in samples:
+        commands = [c.name for c in channels if c.role == "command"]
+        travel = {c: float(np.abs(np.diff(samples[c].to_numpy(float))).sum()) for c in commands}
+        leader = max(travel, key=lambda name: travel[name]) if travel else None
+        samples["cycle"] = cycles_from_reversals(samples[leader].to_numpy(float)) if leader else 0
+    if "step" not in samples:
+        samples["step"] = samples.groupby("cycle").cumcount()
+    rest = [c for c in samples.columns if c not in CONTEXT_COLUMNS]
+    return samples[[*CONTEXT_COLUMNS, *rest]]
+
+
+def load_recording(folder: Path) -> Recording:
+    """Read and check a recording; a RecordingError names file, row, column and remedy."""
+    head_file = folder / "recording.json"
+    head = _read_head(head_file)
+    channels = _read_channels(head_file, head)
+    samples_file = _samples_file(folder)
+    samples = _read_samples(samples_file, channels)
+    _check_samples(samples_file, samples, channels)
+    return Recording(with_context(samples, channels), channels, str(head.get("source", "real")))
+
+
+def save_recording(recording: Recording, folder: Path) -> None:
+    """Write a recording so that a reader sees either the old or the new one, whole."""
+    folder.mkdir(parents=True, exist_ok=True)
+    write_head(recording.channels, recording.source, folder)
+    write_atomically(folder / "samples.csv", recording.samples.to_csv(index=False))
+
+
+def write_head(channels: Sequence[Channel], source: str, folder: Path) -> None:
+    """Write `recording.json` alone: all that a recorder needs before its first row."""
+    head = {"schema": SCHEMA, "source": source, "channels": [c.as_json() for c in channels]}
+    write_atomically(folder / "recording.json", json.dumps(head, indent=1))
+
+
+def write_atomically(path: Path, text: str) -> None:
+    """Put `text` in `path` by way of a synced neighbour file and a rename."""
+    neighbour = path.with_name(f".{path.name}.{os.getpid()}.part")
+    with neighbour.open("w", encoding="utf-8", newline="") as file:
+        file.write(text)
+        file.flush()
+        os.fsync(file.fileno())
+    neighbour.replace(path)
+
+
+def _read_head(path: Path) -> dict[str, object]:
+    if not path.is_file():
+        raise RecordingError(
+            refusal(str(path), "a recording's head", "no such file", "Point `recording=` at a "
+                    "folder with recording.json and samples.csv or samples.parquet.")
+        )  # fmt: skip
+    try:
+        head = json.loads(path.read_text(encoding="utf-8"))
+    except (json.JSONDecodeError, UnicodeDecodeError) as error:
+        raise RecordingError(
+            refusal(str(path), "JSON", f"{error}", "Mend the file or write it anew.")
+        ) from error
+    if not isinstance(head, dict) or head.get("schema") != SCHEMA:
+        found = head.get("schema") if isinstance(head, dict) else type(head).__name__
+        raise RecordingError(
+            refusal(str(path), f"schema {SCHEMA!r}", repr(found), "Convert it to this schema.")
+        )
+    return head
+
+
+def _read_channels(path: Path, head: dict[str, object]) -> tuple[Channel, ...]:
+    entries = head.get("channels")
+    if not isinstance(entries, list) or not entries:
+        raise RecordingError(
+            refusal(str(path), "a list `channels`", repr(entries), "Name the channels.")
+        )
+    channels = []
+    for number, entry in enumerate(entries):
+        if not isinstance(entry, dict) or not all(
+            isinstance(entry.get(key), str) for key in ("name", "role", "unit")
+        ):
+            raise RecordingError(
+                refusal(f"{path}, channel {number}", "text for `name`, `role` and `unit`",
+                        repr(entry), "Add what is missing.")
+            )  # fmt: skip
+        channels.append(Channel(entry["name"], entry["role"], entry["unit"], entry.get("of")))
+    _check_channels(path, channels)
+    return tuple(channels)
+
+
+def _check_channels(path: Path, channels: Sequence[Channel]) -> None:
+    repeated = [name for name, count in Counter(c.name for c in channels).items() if count > 1]
+    if repeated:
+        raise RecordingError(
+            refusal(str(path), "each channel once", f"{repeated[0]!r} repeated", "Remove one.")
+        )
+    measurements = {c.name: c for c in channels if c.role == "measurement"}
+    for channel in channels:
+        where = f"{path}, channel {channel.name!r}"
+        if channel.role not in ROLES:
+            raise RecordingError(
+                refusal(where, f"a role of {', '.join(ROLES)}", repr(channel.role), "Use one.")
+            )
+        if channel.role == "simulation":
+            if channel.of not in measurements:
+                raise RecordingError(
+                    refusal(where, f"`of` to name a measurement ({', '.join(measurements)})",
+                            repr(channel.of), "Name the measurement that it simulates.")
+                )  # fmt: skip
+            unit = measurements[channel.of].unit
+            if channel.unit != unit:
+                raise RecordingError(
+                    refusal(where, f"the unit of {channel.of!r}, {unit!r}", repr(channel.unit),
+                            "Convert the simulation to that unit.")
+                )  # fmt: skip
+        _check_unit(where, channel)
+
+
+def _check_unit(where: str, channel: Channel) -> None:
+    said = channel.unit.lower().replace("/", "_").replace("²", "2").replace("^", "").strip()
+    ends = [u for u in NAME_UNITS if channel.name.lower().endswith("_" + u)]
+    if ends and said in NAME_UNITS and said != max(ends, key=len):
+        raise RecordingError(
+            refusal(where, f"the unit of its name, {max(ends, key=len)!r}", repr(channel.unit),
+                    "Make the name's ending and the unit agree.")
+        )  # fmt: skip
+
+
+def _samples_file(folder: Path) -> Path:
+    found = [folder / n for n in ("samples.csv", "samples.parquet") if (folder / n).is_file()]
+    if len(found) != 1:
+        raise RecordingError(
+            refusal(str(folder), "one of samples.csv and samples.parquet",
+                    " and ".join(f.name for f in found) or "neither", "Leave just one there.")
+        )  # fmt: skip
+    return found[0]
+
+
+def _read_samples(path: Path, channels: Sequence[Channel]) -> pd.DataFrame:
+    try:
+        if path.suffix == ".parquet":
+            header = samples = pd.read_parquet(path)
+            columns = [str(c) for c in header.columns]
+        else:
+            with path.open(encoding="utf-8", newline="") as file:
+                columns = [c.strip() for c in next(csv.reader(file), [])]
+            samples = pd.read_csv(path, skipinitialspace=True)
+    except (OSError, ValueError, UnicodeDecodeError) as error:
+        raise RecordingError(
+            refusal(str(path), "a table of samples", f"{error}", "Write the file anew.")
+        ) from error
+    repeated = [name for name, count in Counter(columns).items() if count > 1]
+    if repeated:
+        raise RecordingError(
+            refusal(str(path), "each column once", f"column {repeated[0]!r} repeated",
+                    "Rename or remove one.")
+        )  # fmt: skip
+    missing = [n for n in ("time_s", *(c.name for c in channels)) if n not in columns]
+    if missing:
+        raise RecordingError(
+            refusal(str(path), f"a column {missing[0]!r}", f"columns {', '.join(columns)}",
+                    "Add the column, or take the channel out of recording.json.")
+        )  # fmt: skip
+    samples.columns = pd.Index(columns)
+    return samples
+
+
+def _check_samples(path: Path, samples: pd.DataFrame, channels: Sequence[Channel]) -> None:
+    first_row = 2 if path.suffix == ".csv" else 0
+    may_be_empty = {c.name for c in channels if c.role != "command"}
+    names = [n for n in CONTEXT_COLUMNS if n in samples] + [c.name for c in channels]
+    for name in names:
+        numbers = pd.to_numeric(samples[name], errors="coerce")
+        finite = np.isfinite(numbers.to_numpy(float))
+        bad = ~finite & (samples[name].notna().to_numpy() if name in may_be_empty else True)
+        if bad.any():
+            row = int(np.flatnonzero(bad)[0])
+            found = "nothing" if pd.isna(samples[name].iloc[row]) else repr(samples[name].iloc[row])
+            raise RecordingError(
+                refusal(f"{path}, row {row + first_row}, column {name!r}", "a number", found,
+                        "Correct it" + (" or leave it empty." if name in may_be_empty else "."))
+            )  # fmt: skip
+        samples[name] = numbers
+    back = np.flatnonzero(np.diff(samples["time_s"].to_numpy(float)) < 0)
+    if back.size:
+        row = int(back[0]) + 1
+        before, after = samples["time_s"].iloc[row - 1], samples["time_s"].iloc[row]
+        raise RecordingError(
+            refusal(f"{path}, row {row + first_row}, column 'time_s'",
+                    f"a time not before {before:g} s", f"{after:g} s",
+                    "Sort the rows, or split the file where the clock was reset.")
+        )  # fmt: skip
+    for name in ("cycle", "step"):
+        if name in samples:
+            _check_whole(path, samples, name, first_row)
+
+
+def _check_whole(path: Path, samples: pd.DataFrame, name: str, first_row: int) -> None:
+    values = samples[name].to_numpy(float)
+    bad = np.flatnonzero((values < 0) | (values != np.round(values)))
+    if bad.size:
+        raise RecordingError(
+            refusal(f"{path}, row {int(bad[0]) + first_row}, column {name!r}",
+                    "a whole number from 0", f"{values[bad[0]]:g}", "Correct it.")
+        )  # fmt: skip
+    samples[name] = values.astype(int)
