@@ -1,0 +1,239 @@
+import json
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from pipeline.recording import (
+    Channel,
+    Recording,
+    RecordingError,
+    branch_of,
+    cycles_from_reversals,
+    load_recording,
+    reversals_of,
+    save_recording,
+)
+
+COMMAND = Channel("pitch_command_deg", "command", "deg")
+ANGLE = Channel("pitch_angle_deg", "measurement", "deg")
+SIMULATION = Channel("pitch_angle_sim_deg", "simulation", "deg", of="pitch_angle_deg")
+
+
+def triangle(cycles: int, steps: int = 40, amplitude: float = 30.0) -> np.ndarray:
+    phase = np.arange(cycles * steps) / steps % 1.0
+    return amplitude * (4 * np.abs((phase - 0.25) % 1.0 - 0.5) - 1.0)
+
+
+def a_recording(cycles: int = 3, steps: int = 40) -> Recording:
+    command = triangle(cycles, steps)
+    samples = pd.DataFrame(
+        {
+            "time_s": np.arange(len(command)) * 3.0,
+            "cycle": np.repeat(np.arange(cycles), steps),
+            "step": np.tile(np.arange(steps), cycles),
+            COMMAND.name: command,
+            ANGLE.name: 0.7 * command,
+            SIMULATION.name: 0.71 * command,
+        }
+    )
+    return Recording(samples, (COMMAND, ANGLE, SIMULATION), "simulated")
+
+
+def written(tmp_path: Path) -> Path:
+    save_recording(a_recording(), tmp_path)
+    return tmp_path
+
+
+def edit_head(folder: Path, **changes: object) -> None:
+    head = json.loads((folder / "recording.json").read_text())
+    (folder / "recording.json").write_text(json.dumps(head | changes))
+
+
+def edit_samples(folder: Path, column: str, row: int, value: object) -> None:
+    samples = pd.read_csv(folder / "samples.csv", dtype=object)
+    samples.loc[row, column] = value
+    samples.to_csv(folder / "samples.csv", index=False)
+
+
+def test_saved_is_loaded_again_to_the_last_digit(tmp_path):
+    recording = a_recording()
+    recording.samples.loc[5, ANGLE.name] = np.nan
+    save_recording(recording, tmp_path)
+    again = load_recording(tmp_path)
+    pd.testing.assert_frame_equal(again.samples, recording.samples, check_exact=True)
+    assert again.channels == recording.channels
+    assert again.source == "simulated"
+    assert sorted(f.name for f in tmp_path.iterdir()) == ["recording.json", "samples.csv"]
+
+
+def test_parquet_is_read_like_csv(tmp_path):
+    folder = written(tmp_path)
+    csv = load_recording(folder)
+    csv.samples.to_parquet(folder / "samples.parquet")
+    (folder / "samples.csv").unlink()
+    pd.testing.assert_frame_equal(load_recording(folder).samples, csv.samples)
+
+
+def test_cycle_and_step_are_found_from_the_reversals(tmp_path):
+    folder = written(tmp_path)
+    whole = load_recording(folder)
+    whole.samples.drop(columns=["cycle", "step"]).to_csv(folder / "samples.csv", index=False)
+    found = load_recording(folder)
+    assert found.samples["cycle"].tolist() == whole.samples["cycle"].tolist()
+    assert found.samples["step"].tolist() == whole.samples["step"].tolist()
+
+
+def test_branches_hold_their_direction_where_the_command_stands_still():
+    command = np.array([0.0, 0.0, 1.0, 2.0, 2.0, 1.0, 1.0, 0.5, 1.0])
+    assert branch_of(command).tolist() == [1, 1, 1, 1, 1, -1, -1, -1, 1]
+    assert branch_of(np.zeros(4)).tolist() == [0, 0, 0, 0]
+
+
+def test_reversals_ignore_encoder_noise():
+    command = triangle(2) + np.random.default_rng(0).normal(0, 0.05, 80)
+    assert np.allclose(reversals_of(command), [10, 30, 50, 70], atol=1)
+    assert reversals_of(np.ones(5)).size == 0
+
+
+def test_a_cycle_ends_where_the_command_comes_back_in_its_first_direction():
+    assert np.bincount(cycles_from_reversals(triangle(4))).tolist() == [40, 40, 40, 40]
+    assert cycles_from_reversals(np.linspace(0, 1, 20)).tolist() == [0] * 20
+
+
+def test_cycles_of_a_recording_and_one_that_is_empty():
+    recording = a_recording()
+    assert recording.cycles([0, 2]).samples["cycle"].unique().tolist() == [0, 2]
+    with pytest.raises(RecordingError, match=r"samples in cycles \[1, 7\].*none in \[7\]"):
+        recording.cycles([1, 7])
+
+
+def test_too_few_samples_for_the_work():
+    with pytest.raises(RecordingError, match="at least 500 samples for training; found 120"):
+        a_recording().require(500, "training")
+
+
+def test_unknown_channel_names_those_that_exist():
+    with pytest.raises(RecordingError, match="'yaw'.*pitch_command_deg, pitch_angle_deg"):
+        a_recording().channel("yaw")
+
+
+def test_no_recording_there(tmp_path):
+    with pytest.raises(RecordingError, match="recording.json.*no such file"):
+        load_recording(tmp_path / "nowhere")
+
+
+def test_head_that_is_no_json(tmp_path):
+    folder = written(tmp_path)
+    (folder / "recording.json").write_text("{")
+    with pytest.raises(RecordingError, match=r"recording.json: expected JSON; found .*line 1"):
+        load_recording(folder)
+
+
+def test_unknown_schema(tmp_path):
+    folder = written(tmp_path)
+    edit_head(folder, schema="loopgap.recording/9")
+    with pytest.raises(RecordingError, match="'loopgap.recording/1'; found 'loopgap.recording/9'"):
+        load_recording(folder)
+
+
+@pytest.mark.parametrize("column", ["time_s", ANGLE.name])
+def test_missing_column(tmp_path, column):
+    folder = written(tmp_path)
+    pd.read_csv(folder / "samples.csv").drop(columns=column).to_csv(
+        folder / "samples.csv", index=False
+    )
+    with pytest.raises(RecordingError, match=f"samples.csv: expected a column '{column}'; found"):
+        load_recording(folder)
+
+
+def test_repeated_column(tmp_path):
+    folder = written(tmp_path)
+    text = (folder / "samples.csv").read_text()
+    (folder / "samples.csv").write_text(text.replace(SIMULATION.name, ANGLE.name, 1))
+    with pytest.raises(RecordingError, match=f"column '{ANGLE.name}' repeated"):
+        load_recording(folder)
+
+
+def test_repeated_channel(tmp_path):
+    folder = written(tmp_path)
+    edit_head(folder, channels=[COMMAND.as_json(), COMMAND.as_json()])
+    with pytest.raises(RecordingError, match="each channel once; found 'pitch_command_deg'"):
+        load_recording(folder)
+
+
+def test_unit_that_does_not_fit_its_name(tmp_path):
+    folder = written(tmp_path)
+    edit_head(folder, channels=[COMMAND.as_json() | {"unit": "rad"}])
+    with pytest.raises(RecordingError, match="unit of its name, 'deg'; found 'rad'"):
+        load_recording(folder)
+
+
+def test_simulation_in_another_unit(tmp_path):
+    folder = written(tmp_path)
+    edit_head(folder, channels=[ANGLE.as_json(), SIMULATION.as_json() | {"unit": "mm"}])
+    with pytest.raises(RecordingError, match="unit of 'pitch_angle_deg', 'deg'; found 'mm'"):
+        load_recording(folder)
+
+
+def test_simulation_of_no_measurement(tmp_path):
+    folder = written(tmp_path)
+    edit_head(folder, channels=[ANGLE.as_json(), SIMULATION.as_json() | {"of": "roll"}])
+    with pytest.raises(RecordingError, match=r"`of` to name a measurement \(pitch_angle_deg\)"):
+        load_recording(folder)
+
+
+def test_unknown_role(tmp_path):
+    folder = written(tmp_path)
+    edit_head(folder, channels=[COMMAND.as_json() | {"role": "guess"}])
+    with pytest.raises(RecordingError, match="a role of command, measurement.*found 'guess'"):
+        load_recording(folder)
+
+
+def test_time_that_goes_back(tmp_path):
+    folder = written(tmp_path)
+    edit_samples(folder, "time_s", 7, "1.5")
+    with pytest.raises(RecordingError, match=r"row 9, column 'time_s': expected a time not before"):
+        load_recording(folder)
+
+
+def test_text_in_a_number_column(tmp_path):
+    folder = written(tmp_path)
+    edit_samples(folder, ANGLE.name, 3, "n/k")
+    with pytest.raises(
+        RecordingError, match=r"row 5, column 'pitch_angle_deg': expected a number; found 'n/k'"
+    ):
+        load_recording(folder)
+
+
+def test_an_empty_command_is_refused_but_an_empty_measurement_is_not(tmp_path):
+    folder = written(tmp_path)
+    edit_samples(folder, ANGLE.name, 3, None)
+    assert int(load_recording(folder).samples[ANGLE.name].isna().sum()) == 1
+    edit_samples(folder, COMMAND.name, 3, None)
+    with pytest.raises(RecordingError, match=r"row 5, column 'pitch_command_deg'.*found nothing"):
+        load_recording(folder)
+
+
+def test_cycle_that_is_no_whole_number(tmp_path):
+    folder = written(tmp_path)
+    edit_samples(folder, "cycle", 2, "0.5")
+    with pytest.raises(RecordingError, match=r"row 4, column 'cycle': expected a whole number"):
+        load_recording(folder)
+
+
+def test_two_sample_files_are_one_too_many(tmp_path):
+    folder = written(tmp_path)
+    (folder / "samples.parquet").write_bytes(b"")
+    with pytest.raises(RecordingError, match="one of samples.csv and samples.parquet"):
+        load_recording(folder)
+
+
+def test_recordings_of_the_collection_load(concealed_recordings):
+    for folder in concealed_recordings:
+        recording = load_recording(folder)
+        command = recording.values("pitch_command_deg")
+        if np.ptp(recording.values("yaw_command_deg")) == 0:
+            found = cycles_from_reversals(command)
+            assert np.array_equal(found, recording.values("cycle"))
