@@ -1,0 +1,51 @@
+"""Play: lost motion with sharp corners after each reversal."""
+
+import numpy as np
+from numba import njit
+
+from pipeline.physics.motion import Motion
+from pipeline.physics.term import Parameter, Surroundings, Term
+
+
+@njit(cache=True)
+def play(drive: np.ndarray, half_width: float, start: float) -> np.ndarray:
+    """The play operator: the output moves only when it is pushed by an end of the gap."""
+    out = np.empty(drive.size)
+    at = start
+    for i in range(drive.size):
+        if drive[i] - half_width > at:
+            at = drive[i] - half_width
+        elif drive[i] + half_width < at:
+            at = drive[i] + half_width
+        out[i] = at
+    return out
+
+
+class Backlash(Term):
+    """x_k = max(u_k - w/2, min(u_k + w/2, x_{k-1})), with the gap w in the drive's unit.
+
+    It starts in the middle of its gap. Source: the play operator, Krasnosel'skii and Pokrovskii,
+    Systems with Hysteresis (1989), section 2.
+    """
+
+    name = "backlash"
+    site = "transmission"
+    before_curve = True
+    group = "play"
+    says = "The drive turns through {width} of play after each reversal before anything moves."
+
+    def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
+        span = around.drive_span
+        return (
+            Parameter("width", around.drive_unit, 0.0, 0.9 * span, 0.05 * span, 0.05 * span),
+        )
+
+    def respond(
+        self, signal: np.ndarray, motion: Motion, values: np.ndarray, state: np.ndarray | None
+    ) -> tuple[np.ndarray, np.ndarray]:
+        start = float(signal[0]) if state is None else float(state[0])
+        out = play(signal, 0.5 * float(values[0]), start)
+        return out, out[-1:].copy()
+
+    def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
+        return around.drive_span * np.array([[0.003], [0.01], [0.03], [0.07], [0.15], [0.3]])

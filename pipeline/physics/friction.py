@@ -1,0 +1,64 @@
+"""Wire friction with pre-sliding: a loop with rounded corners, minor loops inside."""
+
+import numpy as np
+
+from pipeline.physics.balance import Load
+from pipeline.physics.motion import Motion
+from pipeline.physics.term import Parameter, Surroundings, Term
+
+ELEMENTS = 8
+QUANTILES = -np.log(1.0 - (np.arange(ELEMENTS) + 0.5) / ELEMENTS)
+QUANTILES /= QUANTILES.mean()
+
+
+class Friction(Term):
+    """A distribution of slip elements in the balance at the joint (see `balance.py`).
+
+    Element i yields after reach_i = reach * (1 - spread + spread * e_i), where e_i are the quantiles
+    of an exponential distribution with mean 1; all together resist with `width` / 2. spread = 0
+    is one elasto-plastic slider, spread = 1 comes close to Dahl's curve. Sources: Iwan (1966);
+    Al-Bender and Swevers, IEEE Control Systems 28(6) (2008) 64.
+    """
+
+    name = "friction"
+    site = "transmission"
+    in_balance = True
+    says = (
+        "Friction holds the wire back by {width} between the two ways, "
+        "and gives way gradually over the first {reach} of motion."
+    )
+
+    def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
+        span, unit = around.angle_span, around.angle_unit
+        own = (
+            Parameter("width", unit, 0.0, 0.9 * span, 0.05 * span, 0.05 * span),
+            Parameter("reach", unit, 1e-3 * span, 1.0 * span, 0.05 * span, 0.05 * span),
+            Parameter("spread", "", 0.0, 1.0, 0.7, 0.3),
+        )
+        if self.form != "asymmetric":
+            return own
+        return (*own, Parameter("asymmetry", "", -0.9, 0.9, 0.0, 0.3))
+
+    def load(self, values: np.ndarray) -> Load:
+        width, reach, spread = values[:3]
+        asymmetry = values[3] if len(values) > 3 else 0.0
+        reaches = reach * (1.0 - spread + spread * QUANTILES)
+        limit = 0.5 * width / ELEMENTS
+        slip = np.empty((ELEMENTS, 4))
+        slip[:, 0] = limit / reaches
+        slip[:, 1] = limit * (1.0 + asymmetry)
+        slip[:, 2] = limit * (1.0 - asymmetry)
+        slip[:, 3] = 0.0
+        return Load(slip=slip)
+
+    def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
+        tail = [0.0] if self.form == "asymmetric" else []
+        return np.array(
+            [
+                [width * around.angle_span, reach * around.angle_span, 0.7, *tail]
+                for width in (0.01, 0.04, 0.15)
+                for reach in (0.01, 0.04, 0.15)
+            ]
+        )
+
+

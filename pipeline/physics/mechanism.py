@@ -1,0 +1,91 @@
+"""A mechanism: terms in their order, from the drive to what the sensor says."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from pipeline.physics.balance import settle
+from pipeline.physics.kinematics import Curve, IdentityCurve
+from pipeline.physics.motion import Motion
+from pipeline.physics.term import Term
+
+ORDER = (
+    "lost_steps",
+    "transmission_ripple",
+    "creep",
+    "backlash",
+    "tension_loss",
+    "slack",
+    "coupling",
+    "response_lag",
+    "frame_lag",
+    "camera_tilt",
+    "lens_distortion",
+    "drift",
+    "marker_outliers",
+)
+
+
+@dataclass(frozen=True)
+class Piece:
+    """A term with its parameters, shape (p,), in the term's order."""
+
+    term: Term
+    values: np.ndarray
+
+
+State = Mapping[str, np.ndarray]
+
+
+@dataclass(frozen=True)
+class Mechanism:
+    """drive -> drive terms -> nominal curve -> balance at the joint -> joint and sensor terms.
+
+    Terms that are in balance (friction, compliance, gravity, contact, stop) meet in one implicit
+    equation, see `balance.py`. The answer is gain * angle + offset.
+    """
+
+    curve: Curve = field(default_factory=IdentityCurve)
+    pieces: Sequence[Piece] = ()
+    gain: float = 1.0
+    offset: float = 0.0
+
+    def respond(self, motion: Motion, state: State | None = None) -> tuple[np.ndarray, State]:
+        """The angle of each sample, shape (n,), and the state after the last one.
+
+        Given the state of the block before, a block answers as if all had come at once.
+        """
+        before = {} if state is None else state
+        after: dict[str, np.ndarray] = {}
+        pieces = sorted(self.pieces, key=_place)
+        signal = np.asarray(motion.drive, dtype=float)
+        for piece in pieces:
+            if piece.term.before_curve:
+                signal = _apply(piece, signal, motion, before, after)
+        signal = self.curve(signal)
+        balanced = [p for p in pieces if p.term.in_balance]
+        if balanced:
+            signal, after["balance"] = settle(
+                signal, balanced, before.get("balance"), motion.radian
+            )
+        for piece in pieces:
+            if not (piece.term.before_curve or piece.term.in_balance):
+                signal = _apply(piece, signal, motion, before, after)
+        return self.gain * signal + self.offset, after
+
+
+def _place(piece: Piece) -> int:
+    return ORDER.index(piece.term.name) if piece.term.name in ORDER else len(ORDER)
+
+
+def _apply(
+    piece: Piece,
+    signal: np.ndarray,
+    motion: Motion,
+    before: State,
+    after: dict[str, np.ndarray],
+) -> np.ndarray:
+    name = piece.term.name
+    signal, after[name] = piece.term.respond(signal, motion, piece.values, before.get(name))
+    return signal

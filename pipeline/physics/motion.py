@@ -1,0 +1,38 @@
+"""What drives a mechanism: times, commands and cycles of a block of samples."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Motion:
+    """A block of n samples in the order of time.
+
+    drive: (n,) what goes into the chain: the axis's own command [its unit], or the trace of a
+        simulation that is no static curve of the command [the measurement's unit].
+    time_s: (n,) when each sample was taken.
+    cycle: (n,) number of the cycle, from 0.
+    others: the other axes' commands by name, each (n,).
+    radian: how many angle units a radian has (1 where the angle is no angle).
+    """
+
+    drive: np.ndarray
+    time_s: np.ndarray
+    cycle: np.ndarray
+    others: Mapping[str, np.ndarray] = field(default_factory=dict)
+    radian: float = 180.0 / np.pi
+
+    def __len__(self) -> int:
+        return len(self.drive)
+
+    def rows(self, part: slice) -> "Motion":
+        """The same motion over a slice of its samples."""
+        return replace(
+            self,
+            drive=self.drive[part],
+            time_s=self.time_s[part],
+            cycle=self.cycle[part],
+            others={name: values[part] for name, values in self.others.items()},
+        )

@@ -1,0 +1,126 @@
+"""A term: one piece of physics with named, bounded parameters that changes a signal."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import ClassVar
+
+import numpy as np
+
+from pipeline.errors import LoopgapError, refusal
+from pipeline.physics.motion import Motion
+
+SITES = ("actuator", "transmission", "body", "sensor")
+NO_STATE = np.zeros(0)
+
+
+class TermError(LoopgapError):
+    """A term was asked for with parameters that it does not have."""
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A number with a meaning; `start` is where a search begins, `typical` a size that is usual."""
+
+    name: str
+    unit: str
+    low: float
+    high: float
+    start: float
+    typical: float
+
+
+@dataclass(frozen=True)
+class Surroundings:
+    """What a term must know of a recording to bound and start its parameters.
+
+    drive_span, angle_span: range of the drive [drive unit] and of the simulated angle [angle unit].
+    drive_low, angle_low: their lower ends. step: median step of the drive [drive unit].
+    dwell_s: median time between samples. start_s, end_s: first and last time. cycles: how many.
+    other_span: range of each other command [its unit].
+    """
+
+    drive_span: float = 120.0
+    drive_low: float = -60.0
+    angle_span: float = 80.0
+    angle_low: float = -40.0
+    step: float = 1.2
+    dwell_s: float = 3.0
+    start_s: float = 0.0
+    end_s: float = 5400.0
+    cycles: int = 9
+    drive_unit: str = "deg"
+    angle_unit: str = "deg"
+    other_span: Mapping[str, float] = field(default_factory=dict)
+    other_unit: str = "deg"
+
+
+class Term:
+    """One piece of physics; subclasses say what it does to a signal.
+
+    name: the catalogue's name. form: which of several forms of it ("" where there is one).
+    site: where in the chain it acts. before_curve: True where it acts on the drive, before the
+    nominal curve. says: one line that a mechanic understands, with `{parameter}` fields.
+    """
+
+    name: ClassVar[str]
+    site: ClassVar[str]
+    before_curve: ClassVar[bool] = False
+    in_balance: ClassVar[bool] = False
+    group: ClassVar[str] = ""
+    says: ClassVar[str]
+    form: str = ""
+
+    def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
+        """Names, units, bounds and starts, in the order of `values`."""
+        raise NotImplementedError
+
+    def respond(
+        self, signal: np.ndarray, motion: Motion, values: np.ndarray, state: np.ndarray | None
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """The changed signal, shape (n,), and the state to carry to the next block of samples.
+
+        values: (p,) parameters in their order. state: None before the first sample.
+        """
+        raise NotImplementedError
+
+    def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
+        """Parameter sets to begin a search from, shape (k, p); non-smooth terms give a grid."""
+        return np.array([[p.start for p in self.parameters(around)]])
+
+    def excited(self, motion: Motion, around: Surroundings) -> bool:
+        """Whether this motion could show the term at all."""
+        return around.drive_span > 0.0
+
+    def sentence(self, values: np.ndarray, around: Surroundings) -> str:
+        """`says` with its numbers filled in."""
+        named = {
+            p.name: f"{abs(v):.3g} {p.unit}".strip()
+            for p, v in zip(self.parameters(around), values, strict=True)
+        }
+        return self.says.format(**named)
+
+
+def values_of(term: Term, around: Surroundings, named: Mapping[str, float]) -> np.ndarray:
+    """Parameters by name as an array in the term's order; starts where none is given.
+
+    Raises TermError for a name that the term does not have or a value outside its bounds.
+    """
+    parameters = term.parameters(around)
+    unknown = sorted(set(named) - {p.name for p in parameters})
+    if unknown:
+        names = ", ".join(p.name for p in parameters)
+        raise TermError(
+            refusal(f"term {term.name!r}", f"parameters {names}", unknown[0], "Name one of these.")
+        )
+    for p in parameters:
+        value = named.get(p.name, p.start)
+        if not p.low <= value <= p.high:
+            raise TermError(
+                refusal(
+                    f"term {term.name!r}, parameter {p.name!r}",
+                    f"a value from {p.low:g} to {p.high:g} {p.unit}".strip(),
+                    f"{value:g}",
+                    "Choose one within.",
+                )
+            )
+    return np.array([named.get(p.name, p.start) for p in parameters], dtype=float)
