@@ -3,7 +3,10 @@
 from dataclasses import dataclass, field
 from typing import Any
 
+from hydra.core.config_store import ConfigStore
 from omegaconf import MISSING
+
+from pipeline.errors import UsageError, refusal
 
 STAGES = (
     "acquisition",
@@ -13,7 +16,9 @@ STAGES = (
     "compensation",
     "evaluation",
     "diagnosis",
+    "review",
 )
+EXTRA_STAGES = ("prediction",)
 
 
 @dataclass
@@ -82,7 +87,11 @@ class TwinConfig:
 
 @dataclass
 class VisionConfig:
-    """HSV ranges (OpenCV: H 0-179) and the geometry that makes a pair of markers believable."""
+    """HSV ranges (OpenCV: H 0-179) and the geometry that makes a pair of markers believable.
+
+    `base_region` is where the base shaft runs from left to right, without the moving part: left,
+    top, right and bottom as shares of the image.
+    """
 
     green_hue: list[int] = field(default_factory=lambda: [40, 85])
     green_saturation: int = 70
@@ -91,6 +100,10 @@ class VisionConfig:
     red_hue_high: list[int] = field(default_factory=lambda: [170, 179])
     red_saturation: int = 90
     red_value: int = 50
+    field_width_mm: float = 80.64
+    marker_separation_mm: float = 15.2
+    separation_tolerance: float = 0.08
+    base_region: list[float] = field(default_factory=lambda: [0.02, 0.3, 0.36, 0.7])
     gate_deviations: float = 5.0
     workers: int = 2
 
@@ -218,3 +231,44 @@ class Config:
     compensation: CompensationConfig = field(default_factory=CompensationConfig)
     evaluation: EvaluationConfig = field(default_factory=EvaluationConfig)
     diagnosis: DiagnosisConfig = field(default_factory=DiagnosisConfig)
+
+
+STEP_RULES: dict[str, type[StepRuleConfig]] = {
+    "armijo": ArmijoConfig,
+    "constant": ConstantConfig,
+    "diminishing": DiminishingConfig,
+    "barzilai_borwein": BarzilaiBorweinConfig,
+    "newton": NewtonConfig,
+}
+
+CHOICES: dict[str, tuple[str, ...]] = {
+    "acquisition.clock": ("simulated", "real"),
+    "robot.kind": ("emulated", "epos2"),
+    "camera.kind": ("twin", "v4l2", "folder"),
+    "split.kind": ("paper", "leave_three_out", "k_fold", "explicit"),
+    "selection.criterion": ("bic", "aic", "heldout"),
+}
+
+
+def register_schemas(store: ConfigStore) -> None:
+    """Make the schemas known to Hydra, under the names that `conf/` refers to."""
+    store.store(name="schema", node=Config)
+    for name, schema in STEP_RULES.items():
+        store.store(group="compensation/step_rule", name=f"schema_{name}", node=schema)
+
+
+def check_config(config: Config) -> None:
+    """Refuse what the types can't: names that are none of the choices; UsageError lists them."""
+    for stage in config.stages:
+        if stage not in (*STAGES, *EXTRA_STAGES):
+            _refuse("stages", (*STAGES, *EXTRA_STAGES), stage)
+    for key, choices in CHOICES.items():
+        section, name = key.split(".")
+        found = getattr(getattr(config, section), name)
+        if found not in choices:
+            _refuse(key, choices, found)
+
+
+def _refuse(key: str, choices: tuple[str, ...], found: str) -> None:
+    expected = "one of " + ", ".join(choices)
+    raise UsageError(refusal(f"configuration, {key}", expected, repr(found), "Choose one."))

@@ -1,0 +1,86 @@
+"""Say of a configuration error which key is meant and what it may be."""
+
+import dataclasses
+import difflib
+import re
+import typing
+
+from pipeline.config import STEP_RULES, Config, StepRuleConfig
+
+
+def explain(error: BaseException) -> str:
+    """One message for a Hydra or OmegaConf error: the key, what was found, what it may be."""
+    chain = list(_causes(error))
+    text = str(chain[-1]).strip() or str(error).strip()
+    key = _key_of(chain)
+    message = f"configuration: {str(error).strip()}"
+    if str(text).splitlines()[0] not in message:
+        message += f"\n{text}"
+    return message if key is None else f"{message}\n{_what_it_may_be(key)}"
+
+
+def _causes(error: BaseException) -> typing.Iterator[BaseException]:
+    cause: BaseException | None = error
+    while cause is not None:
+        yield cause
+        cause = cause.__cause__
+
+
+def _key_of(chain: list[BaseException]) -> str | None:
+    for error in reversed(chain):
+        key = getattr(error, "full_key", None)
+        if key:
+            return str(key)
+        found = re.search(r"full_key: (\S+)|override '([\w./]+)", str(error))
+        if found:
+            return found.group(1) or found.group(2)
+    return None
+
+
+def _what_it_may_be(key: str) -> str:
+    """Sentence on a dotted key: its type where it exists, else its neighbours."""
+    schema: type = Config
+    *parents, last = key.split(".")
+    for depth, parent in enumerate(parents):
+        kind = _fields(schema).get(parent)
+        if kind is None:
+            return _neighbours(".".join(parents[:depth]), parent, schema)
+        if not dataclasses.is_dataclass(kind):
+            return f"{'.'.join(parents[: depth + 1])} takes {_type_name(kind)}."
+        schema = typing.cast(type, kind)
+    if last in _fields(schema):
+        return f"{key} takes {_type_name(_fields(schema)[last])}."
+    return _neighbours(".".join(parents), last, schema)
+
+
+def _neighbours(parent: str, wrong: str, schema: type) -> str:
+    known = list(_fields(schema))
+    close = difflib.get_close_matches(wrong, known, n=1)
+    hint = f" Did you mean {close[0]!r}?" if close else ""
+    where = f"under {parent!r}" if parent else "at the top"
+    return f"Key {wrong!r} is unknown {where}; it may be: {', '.join(known)}.{hint}"
+
+
+def _fields(schema: type) -> dict[str, object]:
+    hints = typing.get_type_hints(schema)
+    names = {f.name: hints[f.name] for f in dataclasses.fields(schema)}
+    if schema is StepRuleConfig:
+        for rule in STEP_RULES.values():
+            names |= _fields(rule)
+    return names
+
+
+def _type_name(kind: object) -> str:
+    plain = {int: "a whole number", float: "a number", str: "text", bool: "true or false"}
+    if isinstance(kind, type) and kind in plain:
+        return plain[kind]
+    arguments = typing.get_args(kind)
+    if typing.get_origin(kind) is list:
+        return f"a list, each {_type_name(arguments[0])}"
+    if typing.get_origin(kind) is dict:
+        return f"a mapping of names, each to {_type_name(arguments[1])}"
+    if type(None) in arguments:
+        return f"{_type_name(next(a for a in arguments if a is not type(None)))} or null"
+    if dataclasses.is_dataclass(kind):
+        return f"the keys {', '.join(_fields(typing.cast(type, kind)))}"
+    return str(kind)
