@@ -1,0 +1,95 @@
+"""Tables on disk and on the terminal: CSV, Markdown, LaTeX (booktabs) and plain text."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import pandas as pd
+
+from pipeline.recording import write_atomically
+
+METRIC_COLUMNS = ("axis", "method", "metric", "value", "unit", "n")
+DECIMALS = {"[deg]": 3, "[um]": 1, "[%]": 1}
+LATEX_SPECIAL = str.maketrans({"%": r"\%", "_": r"\_", "&": r"\&", "#": r"\#", "$": r"\$"})
+ABSENT = "–"
+
+
+def write_table(table: pd.DataFrame, folder: Path, name: str) -> list[Path]:
+    """Write `name`.csv (full precision), .md and .tex (rounded by unit); the paths written."""
+    folder.mkdir(parents=True, exist_ok=True)
+    texts = {
+        "csv": table.to_csv(index=False, lineterminator="\n"),
+        "md": markdown(table),
+        "tex": latex(table),
+    }
+    paths = []
+    for suffix, text in texts.items():
+        path = folder / f"{name}.{suffix}"
+        write_atomically(path, text)
+        paths.append(path)
+    return paths
+
+
+def markdown(table: pd.DataFrame) -> str:
+    """The table in Markdown, numbers to the right."""
+    cells = _cells(table)
+    right = _numeric(table)
+    widths = _widths(table, cells)
+    rule = [
+        "-" * (width - 1) + ":" if number else "-" * width
+        for width, number in zip(widths, right, strict=True)
+    ]
+    rows = [_escaped(table.columns), rule, *(_escaped(row) for row in cells)]
+    return "".join(f"| {' | '.join(_aligned(row, widths, right))} |\n" for row in rows)
+
+
+def plain(table: pd.DataFrame) -> str:
+    """The table for a terminal, columns two blanks apart."""
+    cells = _cells(table)
+    right = _numeric(table)
+    widths = _widths(table, cells)
+    rows = [[str(c) for c in table.columns], ["-" * width for width in widths], *cells]
+    return "\n".join("  ".join(_aligned(row, widths, right)).rstrip() for row in rows)
+
+
+def latex(table: pd.DataFrame) -> str:
+    """The table as a LaTeX tabular with booktabs rules; `um` becomes a micrometre."""
+    right = _numeric(table)
+    columns = [str(c).translate(LATEX_SPECIAL).replace("[um]", r"[$\mu$m]") for c in table.columns]
+    body = [[cell.translate(LATEX_SPECIAL).replace(ABSENT, "--") for cell in row]
+            for row in _cells(table)]  # fmt: skip
+    styler = pd.DataFrame(body, columns=columns).style.hide(axis="index")
+    return styler.to_latex(hrules=True, column_format="".join("r" if r else "l" for r in right))
+
+
+def _cells(table: pd.DataFrame) -> list[list[str]]:
+    columns = [[_cell(str(name), value) for value in table[name]] for name in table.columns]
+    return [list(row) for row in zip(*columns, strict=True)]
+
+
+def _cell(column: str, value: object) -> str:
+    if value is None or (isinstance(value, float) and pd.isna(value)):
+        return ABSENT
+    if isinstance(value, float):
+        places = next((n for unit, n in DECIMALS.items() if column.endswith(unit)), None)
+        return f"{value:.4g}" if places is None else f"{value:.{places}f}"
+    return str(value)
+
+
+def _numeric(table: pd.DataFrame) -> list[bool]:
+    return [pd.api.types.is_numeric_dtype(dtype) for dtype in table.dtypes]
+
+
+def _widths(table: pd.DataFrame, cells: Sequence[Sequence[str]]) -> list[int]:
+    rows = [_escaped(table.columns), *(_escaped(row) for row in cells)]
+    return [max(3, *(len(row[i]) for row in rows)) for i in range(len(table.columns))]
+
+
+def _aligned(row: Sequence[str], widths: Sequence[int], right: Sequence[bool]) -> list[str]:
+    return [
+        cell.rjust(width) if number else cell.ljust(width)
+        for cell, width, number in zip(row, widths, right, strict=True)
+    ]
+
+
+def _escaped(row: Sequence[object] | pd.Index) -> list[str]:
+    return [str(cell).replace("|", r"\|").replace("\n", " ") for cell in row]
