@@ -150,7 +150,7 @@ class ArmijoConfig(StepRuleConfig):
     name: str = "armijo"
     initial: float = 1.0
     shrink: float = 0.5
-    slope_share: float = 1e-4
+    slope_share: float = 0.25
 
 
 @dataclass

@@ -1,0 +1,119 @@
+"""Selection: how many Gaussians each model takes, by BIC, AIC or the error on held-out cycles.
+
+Only cycles of the training set are looked at: the test cycles have no say in K.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pandas as pd
+
+from pipeline.config import SelectionConfig, TrainingConfig
+from pipeline.errors import LoopgapError, UsageError, refusal
+from pipeline.models.loop_model import MODELS, BranchSamples, branch_samples
+from pipeline.models.mixture import MixtureError, MixtureRegression, largest_k
+from pipeline.recording import Recording
+
+COLUMNS = ("axis", "model", "k", "bic", "aic", "heldout_rmse_deg")
+CRITERIA = {"bic": "bic", "aic": "aic", "heldout": "heldout_rmse_deg"}
+HELDOUT_FOLDS = 3
+AS_GOOD = 1.01
+
+
+@dataclass(frozen=True)
+class Selection:
+    """`table`: a row (`COLUMNS`) for each axis, model and K; `chosen`: axis -> model -> K.
+
+    Scores are empty (NaN) for a K that the samples don't allow; the held-out error also where
+    fewer than two cycles train.
+    """
+
+    table: pd.DataFrame
+    chosen: dict[str, dict[str, int]]
+
+
+def select(
+    config: SelectionConfig,
+    training: TrainingConfig,
+    recordings: Mapping[str, Recording],
+    train_cycles: Sequence[int],
+    seed: int,
+) -> Selection:
+    """Score K = 1 .. `k_max` (or the fixed `k`) for every axis's models, and choose.
+
+    BIC and AIC choose the smallest score. Held-out error, which is flat over K, chooses the
+    smallest K that comes within 1 % of the best. The held-out error is that of a model fitted to
+    the other training cycles, in up to three interleaved folds.
+    """
+    if config.criterion not in CRITERIA:
+        raise UsageError(
+            refusal("selection.criterion", f"one of {', '.join(CRITERIA)}",
+                    repr(config.criterion), "Choose one of them.")
+        )  # fmt: skip
+    training = replace(training, n_init=config.n_init)
+    candidates = [config.k] if config.k is not None else list(range(1, config.k_max + 1))
+    rows: list[tuple[str, str, int, float, float, float]] = []
+    for axis, recording in recordings.items():
+        for model, samples in branch_samples(recording, axis, train_cycles).items():
+            for k in candidates:
+                try:
+                    scores = _scores(samples, k, training, seed)
+                except MixtureError as error:
+                    raise MixtureError(f"{axis}, {model} model: {error}") from error
+                rows.append((axis, model, k, *scores))
+    table = pd.DataFrame(rows, columns=list(COLUMNS))
+    return Selection(table, {axis: _choose(table, axis, config) for axis in recordings})
+
+
+def _scores(
+    samples: BranchSamples, k: int, training: TrainingConfig, seed: int
+) -> tuple[float, float, float]:
+    """BIC, AIC and held-out RMSE [deg]."""
+    measured = int(np.isfinite(samples.angle_deg).sum())
+    if k > 1 and k > largest_k(measured):
+        return np.nan, np.nan, np.nan
+    fitted = MixtureRegression.fit(samples.command_deg, samples.angle_deg, k, training, seed)
+    return fitted.bic(), fitted.aic(), heldout_rmse_deg(samples, k, training, seed)
+
+
+def heldout_rmse_deg(samples: BranchSamples, k: int, training: TrainingConfig, seed: int) -> float:
+    """RMSE [deg] over all cycles, each predicted by a mixture fitted to cycles of other folds.
+
+    NaN where there are fewer than two cycles, or where a fold's samples don't allow K.
+    """
+    cycles = [int(cycle) for cycle in np.unique(samples.cycle)]
+    folds = min(HELDOUT_FOLDS, len(cycles))
+    if folds < 2:
+        return float("nan")
+    once = replace(training, n_init=1)
+    errors = []
+    for fold in range(folds):
+        test = samples.only(cycles[fold::folds])
+        train = samples.only([c for c in cycles if c not in cycles[fold::folds]])
+        if k > largest_k(int(np.isfinite(train.angle_deg).sum())):
+            return float("nan")
+        mixture = MixtureRegression.fit(train.command_deg, train.angle_deg, k, once, seed)
+        errors.append(test.angle_deg - mixture.predict(test.command_deg)[0])
+    return float(np.sqrt(np.nanmean(np.concatenate(errors) ** 2)))
+
+
+def _choose(table: pd.DataFrame, axis: str, config: SelectionConfig) -> dict[str, int]:
+    if config.k is not None:
+        return dict.fromkeys(MODELS, config.k)
+    score = CRITERIA[config.criterion]
+    chosen = {}
+    for model in MODELS:
+        scored = table[(table["axis"] == axis) & (table["model"] == model)].dropna(subset=[score])
+        if scored.empty:
+            raise LoopgapError(
+                refusal(f"selection of {axis}, {model} model", f"a score {score!r} for some K",
+                        "none", "Train on at least two cycles, or choose selection=bic.")
+            )  # fmt: skip
+        if config.criterion == "heldout":
+            scored = scored[scored[score] <= AS_GOOD * scored[score].min()]
+            chosen[model] = int(scored["k"].min())
+        else:
+            best = int(np.argmin(scored[score].to_numpy()))
+            chosen[model] = int(scored["k"].iloc[best])
+    return chosen
