@@ -17,7 +17,7 @@ from numba import njit
 if TYPE_CHECKING:
     from pipeline.physics.mechanism import Piece
 
-NO_SLIP = np.zeros((0, 4))
+NO_SLIP = np.zeros((0, 3))
 NO_CONTACT = np.zeros((0, 4))
 SWEEPS = 40
 
@@ -26,8 +26,7 @@ SWEEPS = 40
 class Load:
     """What a term adds to the balance.
 
-    slip: (m, 4) stiffness, force limit against rising, force limit against falling, and growth of
-        the limits with the joint's angle [1/angle unit].
+    slip: (m, 3) stiffness [1], force limit against rising and against falling [angle unit].
     smooth: (4,) linear [1], cubic [1/angle^2], gravity [angle] and gravity's zero [rad].
     contact: (c, 4) side (+1, -1), angle, stiffness [1], rounding [angle].
     """
@@ -43,16 +42,13 @@ class BalancedTerm(Protocol):
     def load(self, values: np.ndarray) -> Load: ...
 
 
-@njit(cache=True)
-def _smooth(theta, linear, cubic, gravity, zero, radian, contact):  # type: ignore[no-untyped-def]
-    """Load of everything without memory and its slope."""
-    load = linear * theta + cubic * theta * theta * theta
-    slope = linear + 3.0 * cubic * theta * theta
-    if gravity != 0.0:
-        load += gravity * (np.sin(theta / radian - zero) + np.sin(zero))
-        slope += gravity / radian * np.cos(theta / radian - zero)
+@njit(cache=True, fastmath=True, error_model="numpy")
+def _stops(at, radian, gravity, zero, contact):  # type: ignore[no-untyped-def]
+    """Load of gravity, contacts and stops at an angle, and its slope."""
+    load = gravity * (np.sin(at / radian - zero) + np.sin(zero))
+    slope = gravity / radian * np.cos(at / radian - zero)
     for j in range(contact.shape[0]):
-        depth = contact[j, 0] * (theta - contact[j, 1])
+        depth = contact[j, 0] * (at - contact[j, 1])
         rounding = contact[j, 3]
         if depth >= rounding:
             load += contact[j, 0] * contact[j, 2] * depth
@@ -64,61 +60,53 @@ def _smooth(theta, linear, cubic, gravity, zero, radian, contact):  # type: igno
     return load, slope
 
 
-@njit(cache=True)
-def _solve(q, theta, force, slip, smooth, radian, contact):  # type: ignore[no-untyped-def]
-    """theta with q = theta + loads, from the state (theta, force); `force` is brought up to date."""
-    m = slip.shape[0]
-    at = theta
-    low, high = -1e300, 1e300
-    for _ in range(SWEEPS):
-        load, slope = _smooth(at, smooth[0], smooth[1], smooth[2], smooth[3], radian, contact)
-        rest = at + load - q
-        stiffness = 1.0 + slope
-        step = at - theta
-        for i in range(m):
-            f = force[i] + slip[i, 0] * step
-            grown = 1.0 + slip[i, 3] * abs(at)
-            if f > slip[i, 1] * grown:
-                f = slip[i, 1] * grown
-            elif f < -slip[i, 2] * grown:
-                f = -slip[i, 2] * grown
-            else:
-                stiffness += slip[i, 0]
-            rest += f
-        if rest > 0.0:
-            high = at
-        else:
-            low = at
-        if stiffness < 0.05:
-            stiffness = 0.05
-        move = rest / stiffness
-        if abs(move) < 1e-9:
-            break
-        at -= move
-        if at <= low or at >= high:
-            at = 0.5 * (low + high)
-    step = at - theta
-    for i in range(m):
-        f = force[i] + slip[i, 0] * step
-        grown = 1.0 + slip[i, 3] * abs(at)
-        force[i] = min(max(f, -slip[i, 2] * grown), slip[i, 1] * grown)
-    return at
-
-
-@njit(cache=True)
+@njit(cache=True, fastmath=True, error_model="numpy")
 def balance(q, state, slip, smooth, radian, contact, fresh):  # type: ignore[no-untyped-def]
-    """Joint angles for the asked angles `q`, shape (n,), and the state (theta, forces)."""
+    """Joint angles for the asked angles `q`, shape (n,), and the state (q, angle, forces)."""
+    linear, cubic, gravity, zero = smooth[0], smooth[1], smooth[2], smooth[3]
+    plain = contact.shape[0] == 0 and gravity == 0.0
+    m = slip.shape[0]
+    stiffness, above, below = slip[:, 0].copy(), slip[:, 1].copy(), -slip[:, 2]
+    force, trial = state[2:].copy(), np.empty(m)
     out = np.empty(q.size)
-    force = state[1:].copy()
-    theta = state[0]
-    if fresh and q.size > 0:
-        theta = _solve(q[0], q[0], force, slip[:0], smooth, radian, contact)
-    for i in range(q.size):
-        theta = _solve(q[i], theta, force, slip, smooth, radian, contact)
-        out[i] = theta
-    after = np.empty(state.size)
-    after[0] = theta
-    after[1:] = force
+    asked, theta, give = state[0], state[1], 1.0
+    for t in range(q.size):
+        sliding = 0 if fresh and t == 0 else m
+        at = q[0] if sliding < m else theta + (q[t] - asked) * give
+        asked = q[t]
+        low, high = -1e300, 1e300
+        for _ in range(SWEEPS):
+            rest = at + linear * at + cubic * at * at * at - asked
+            slope = 1.0 + linear + 3.0 * cubic * at * at
+            if not plain:
+                more, steeper = _stops(at, radian, gravity, zero, contact)
+                rest += more
+                slope += steeper
+            step = at - theta
+            for i in range(sliding):
+                free = force[i] + stiffness[i] * step
+                held = min(max(free, below[i]), above[i])
+                trial[i] = held
+                rest += held
+                slope += stiffness[i] if free == held else 0.0
+            give = 1.0 / max(slope, 0.05)
+            move = rest * give
+            if abs(move) < 1e-9:
+                break
+            if rest > 0.0:
+                high = min(high, at)
+            else:
+                low = max(low, at)
+            at -= move
+            if at <= low or at >= high:
+                at = 0.5 * (low + high)
+        theta = at
+        for i in range(sliding):
+            force[i] = trial[i]
+        out[t] = at
+    after = np.empty(2 + m)
+    after[0], after[1] = asked, theta
+    after[2:] = force
     return out, after
 
 
@@ -131,5 +119,5 @@ def settle(
     contact = np.concatenate([load.contact for load in loads])
     smooth = np.sum([load.smooth for load in loads], axis=0)
     fresh = state is None
-    carried = np.zeros(1 + len(slip)) if state is None else state
+    carried = np.zeros(2 + len(slip)) if state is None else state
     return balance(np.ascontiguousarray(asked), carried, slip, smooth, radian, contact, fresh)

@@ -44,11 +44,10 @@ class Friction(Term):
         asymmetry = values[3] if len(values) > 3 else 0.0
         reaches = reach * (1.0 - spread + spread * QUANTILES)
         limit = 0.5 * width / ELEMENTS
-        slip = np.empty((ELEMENTS, 4))
+        slip = np.empty((ELEMENTS, 3))
         slip[:, 0] = limit / reaches
         slip[:, 1] = limit * (1.0 + asymmetry)
         slip[:, 2] = limit * (1.0 - asymmetry)
-        slip[:, 3] = 0.0
         return Load(slip=slip)
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:

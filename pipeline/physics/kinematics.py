@@ -20,7 +20,7 @@ class CubicCurve:
     cubic: float = 0.0
 
     def __call__(self, drive: np.ndarray) -> np.ndarray:
-        return self.gain * drive - self.cubic * drive**3
+        return drive * (self.gain - self.cubic * drive * drive)
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,125 @@
+"""The noise: white, correlated, a jitter of each cycle's zero and a slow walk, and its whitening."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+
+
+@njit(cache=True)
+def gains_of(white, correlated, correlation, jitter, walk, step, cycle, used):  # type: ignore[no-untyped-def]
+    """Kalman gains for the state (correlated, jitter, walk), one row each sample.
+
+    Returns (n, 4): the three gains and the innovation's standard deviation (0 where not used).
+    """
+    n = step.size
+    out = np.zeros((n, 4))
+    p = np.zeros((3, 3))
+    p[0, 0] = correlated * correlated
+    p[1, 1] = jitter * jitter
+    fresh = correlated * correlated * (1.0 - correlation * correlation)
+    for i in range(n):
+        if i > 0:
+            for j in range(3):
+                p[0, j] *= correlation
+                p[j, 0] *= correlation
+            p[0, 0] += fresh
+            p[2, 2] += walk * walk * step[i]
+            if cycle[i] != cycle[i - 1]:
+                for j in range(3):
+                    p[1, j] = 0.0
+                    p[j, 1] = 0.0
+                p[1, 1] = jitter * jitter
+        if not used[i]:
+            continue
+        h0 = p[0, 0] + p[0, 1] + p[0, 2]
+        h1 = p[1, 0] + p[1, 1] + p[1, 2]
+        h2 = p[2, 0] + p[2, 1] + p[2, 2]
+        s = h0 + h1 + h2 + white * white
+        out[i, 0], out[i, 1], out[i, 2], out[i, 3] = h0 / s, h1 / s, h2 / s, np.sqrt(s)
+        h = (h0, h1, h2)
+        for j in range(3):
+            for k in range(3):
+                p[j, k] -= h[j] * h[k] / s
+    return out
+
+
+@njit(cache=True)
+def whitened(columns, gains, correlation, cycle):  # type: ignore[no-untyped-def]
+    """Innovations over their deviations, (n, m); zero where a row is not used."""
+    n, m = columns.shape
+    out = np.zeros((n, m))
+    a, b, c = np.zeros(m), np.zeros(m), np.zeros(m)
+    for i in range(n):
+        if i > 0:
+            new = cycle[i] != cycle[i - 1]
+            for k in range(m):
+                a[k] *= correlation
+                if new:
+                    b[k] = 0.0
+        s = gains[i, 3]
+        if s == 0.0:
+            continue
+        g0, g1, g2 = gains[i, 0], gains[i, 1], gains[i, 2]
+        for k in range(m):
+            e = columns[i, k] - a[k] - b[k] - c[k]
+            a[k] += g0 * e
+            b[k] += g1 * e
+            c[k] += g2 * e
+            out[i, k] = e / s
+    return out
+
+
+@dataclass(frozen=True)
+class NoiseModel:
+    """Gaussian noise [measurement's unit]: the sum of four parts.
+
+    white: standard deviation of what is independent in each sample. correlated: of a first-order
+    autoregression with `correlation` from sample to sample. jitter: of a constant that is drawn
+    anew in each cycle. walk: of a random walk's step from one sample to the next.
+    """
+
+    white: float
+    correlated: float = 0.0
+    correlation: float = 0.0
+    jitter: float = 0.0
+    walk: float = 0.0
+
+    @property
+    def deviation(self) -> float:
+        """Standard deviation of one sample about its cycle's own zero."""
+        return float(np.hypot(self.white, self.correlated))
+
+    def gains(self, cycle: np.ndarray, used: np.ndarray) -> np.ndarray:
+        """The whitening filter of these rows, (n, 4); the same for every signal."""
+        return gains_of(
+            self.white,
+            self.correlated,
+            self.correlation,
+            self.jitter,
+            self.walk,
+            np.ones(len(cycle)),
+            np.ascontiguousarray(cycle, dtype=np.int64),
+            np.ascontiguousarray(used),
+        )
+
+    def whiten(self, columns: np.ndarray, cycle: np.ndarray, used: np.ndarray) -> np.ndarray:
+        """Columns (n, m) as independent unit innovations; rows that are not used become zero.
+
+        Missing rows are treated exactly (the filter predicts over them).
+        """
+        filled = np.where(used[:, None], columns, 0.0)
+        gains = self.gains(cycle, used)
+        return whitened(
+            np.ascontiguousarray(filled),
+            gains,
+            self.correlation,
+            np.ascontiguousarray(cycle, dtype=np.int64),
+        )
+
+    def log_likelihood(self, residual: np.ndarray, cycle: np.ndarray, used: np.ndarray) -> float:
+        """Log density of residual (n,) on the used rows."""
+        gains = self.gains(cycle, used)
+        e = self.whiten(residual[:, None], cycle, used)[:, 0]
+        s = gains[used, 3]
+        return float(-0.5 * np.sum(e**2) - np.sum(np.log(s)) - 0.5 * s.size * np.log(2 * np.pi))

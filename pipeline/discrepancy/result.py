@@ -1,0 +1,167 @@
+"""What a diagnosis says, and the evidence behind it."""
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
+from typing import Any
+
+import numpy as np
+
+from pipeline.discrepancy.noise import NoiseModel
+from pipeline.physics.mechanism import Mechanism
+from pipeline.physics.motion import Motion
+from pipeline.recording import Recording
+
+SCHEMA = "loopgap.diagnosis/1"
+VERDICTS = ("no_mismatch", "explained", "partly_explained", "unknown_physics", "ambiguous")
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """A parameter with its 95 % interval [unit]."""
+
+    name: str
+    value: float
+    low: float
+    high: float
+    unit: str
+
+
+@dataclass(frozen=True)
+class NamedPhysics:
+    """One term that the simulation left out."""
+
+    name: str
+    site: str
+    probability: float
+    parameters: tuple[Estimate, ...]
+    heldout_rmse_without: float
+    alternatives: tuple[str, ...]
+    says: str
+
+
+@dataclass(frozen=True)
+class Errors:
+    """Root mean square of the residual [unit] on fitted and on held-out samples."""
+
+    train_rmse: float
+    heldout_rmse: float
+
+
+@dataclass(frozen=True)
+class Location:
+    """How much of the residual a coordinate explains."""
+
+    coordinate: str
+    share: float
+    p_value: float
+    where: str | None
+
+
+@dataclass(frozen=True)
+class Calibration:
+    """measurement = gain * mechanism + offset [unit]; always fitted, named by nobody."""
+
+    gain: float
+    offset: float
+
+
+@dataclass(frozen=True)
+class Unexplained:
+    """The structured rest: its share of the mismatch's variance, and how likely by chance."""
+
+    share: float
+    p_value: float
+    where: str | None
+
+
+@dataclass(frozen=True)
+class NextExperiment:
+    """What to record next, and the file of its commands."""
+
+    why: str
+    commands: str | None
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """One measurement's entry of diagnosis.json; all lengths in the measurement's unit."""
+
+    measurement: str
+    unit: str
+    verdict: str
+    noise: float
+    before: Errors
+    after: Errors
+    location: tuple[Location, ...]
+    physics: tuple[NamedPhysics, ...]
+    calibration: Calibration
+    unexplained: Unexplained
+    not_excited: tuple[str, ...]
+    next_experiment: NextExperiment | None
+    notes: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Hypothesis:
+    """An explanation that competes: its names, its probability, and a mechanism that can answer.
+
+    `parameters_covariance` is over the free parameters in the order of `free`.
+    """
+
+    names: tuple[str, ...]
+    probability: float
+    mechanism: Mechanism
+    free: tuple[str, ...] = ()
+    covariance: np.ndarray = field(default_factory=lambda: np.zeros((0, 0)))
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """All that a reader of one measurement's diagnosis may want to look at; arrays are (n,).
+
+    recording: as it came. motion: the axis's drive, times, cycles and other commands.
+    drive: name of the command that drives it. static: whether the simulation is a static curve of
+    that command (then the drive is the command, else the simulation's trace).
+    train, heldout: masks; `used` are the rows that are measured and no outliers.
+    before, after: predictions of the simulation as it came and with the named terms.
+    deviation: standard deviation of `after` against the measurement. noise: as learnt.
+    hypotheses: the best first; its mechanism is what `after` was made with.
+    """
+
+    recording: Recording
+    measurement: str
+    drive: str
+    static: bool
+    motion: Motion
+    measured: np.ndarray
+    train: np.ndarray
+    heldout: np.ndarray
+    used: np.ndarray
+    before: np.ndarray
+    after: np.ndarray
+    deviation: np.ndarray
+    noise: NoiseModel
+    hypotheses: tuple[Hypothesis, ...]
+
+    @property
+    def residual_before(self) -> np.ndarray:
+        """Measurement minus simulation, (n,); NaN where not measured."""
+        return self.measured - self.before
+
+    @property
+    def residual_after(self) -> np.ndarray:
+        """Measurement minus corrected simulation, (n,); NaN where not measured."""
+        return self.measured - self.after
+
+
+@dataclass(frozen=True)
+class DiagnosisResult:
+    """One diagnosis and its evidence for each measurement, in the recording's order."""
+
+    diagnoses: tuple[Diagnosis, ...]
+    evidence: tuple[Evidence, ...]
+
+
+def as_json(diagnoses: tuple[Diagnosis, ...]) -> Mapping[str, Any]:
+    """The content of diagnosis.json."""
+    return {"schema": SCHEMA, "measurements": [asdict(d) for d in diagnoses]}
