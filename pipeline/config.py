@@ -1,7 +1,6 @@
 """The schemas of all configuration; `conf/` holds the choices."""
 
 from dataclasses import dataclass, field
-from typing import Any
 
 from hydra.core.config_store import ConfigStore
 from omegaconf import MISSING
@@ -43,14 +42,23 @@ class AcquisitionConfig:
 
 @dataclass
 class RobotConfig:
-    """Which robot: `kind` is `emulated` or `epos2`; the latter needs a serial port."""
+    """Which robot: `kind` is `emulated` or `epos2`; the latter needs a serial port.
+
+    `nodes` names the controller of each axis, `encoder_pulses` a turn of its motor (four counts
+    each) and `gear_ratio` the motor's turns for one of the shaft; limits are of the shaft.
+    """
 
     kind: str = MISSING
     port: str | None = None
     baud: int = 115200
     nodes: dict[str, int] = field(default_factory=lambda: {"yaw": 1, "pitch": 2})
+    encoder_pulses: int = 256
+    gear_ratio: float = 64.0
+    limit_deg: dict[str, float] = field(default_factory=lambda: {"yaw": 90.0, "pitch": 90.0})
     profile_velocity_rpm: int = 500
     profile_acceleration_rpm_s: int = 5000
+    max_following_error_qc: int = 2000
+    position_tolerance_qc: int = 10
 
 
 @dataclass
@@ -68,13 +76,16 @@ class CameraConfig:
 
 @dataclass
 class AxisTwin:
-    """Nominal curve and play of a simulated axis; `terms` are further physics by name."""
+    """A simulated axis: bend = gain shaft - cubic shaft^3, play [deg of shaft] and pose noise.
 
-    gain: float = 0.70
+    `terms` are further physics: the catalogue's name, then parameters by their names.
+    """
+
+    gain: float = 0.80
     cubic: float = 1.0e-5
     play_half_width_deg: float = 0.0
     noise_deg: float = 0.0
-    terms: list[Any] = field(default_factory=list)
+    terms: dict[str, dict[str, float]] = field(default_factory=dict)
 
 
 @dataclass
@@ -126,7 +137,7 @@ class SelectionConfig:
     criterion: str = "bic"
     k: int | None = None
     k_max: int = 20
-    n_init: int = 5
+    n_init: int = 3
 
 
 @dataclass

@@ -1,0 +1,121 @@
+"""The green and the red marker: masks by colour, the pair by its known separation."""
+
+from dataclasses import dataclass
+from itertools import product
+
+import cv2
+import numpy as np
+
+from pipeline.config import VisionConfig
+
+SEARCH_WIDTH_PX = 504
+SMALLEST_MM2 = 1.5
+MOST_CANDIDATES = 8
+MARGIN_MM = 0.8
+OPENING_MM = 0.4
+SMALLEST_AREA_RATIO = 0.5
+CLEAR_LEAD = 0.25
+
+
+@dataclass(frozen=True)
+class Blob:
+    """Pixels of one colour that hang together: (n, 2) x, y [px], and their mean (2,)."""
+
+    pixels: np.ndarray
+    centre_px: np.ndarray
+
+
+@dataclass(frozen=True)
+class Pair:
+    """The two markers that belong together."""
+
+    green: Blob
+    red: Blob
+
+
+def find_pair(image: np.ndarray, config: VisionConfig) -> Pair | str:
+    """The pair of markers in a (h, w, 3) BGR image, or why there is no clear one.
+
+    Of all green and red blobs the pair is taken whose centres are as far apart as the markers
+    are known to be (within `separation_tolerance`) and whose areas are alike, not the largest
+    blobs: something of the same colour in view is no marker. The image is searched thinned out,
+    then only the surroundings of each candidate are looked at in full resolution.
+    """
+    px_per_mm = image.shape[1] / config.field_width_mm
+    greens, reds = (_blobs(image, colour, config, px_per_mm) for colour in ("green", "red"))
+    for colour, found in (("green", greens), ("red", reds)):
+        if not found:
+            return f"no {colour} marker"
+    known_px = config.marker_separation_mm * px_per_mm
+    tolerance = config.separation_tolerance
+    nearest, fitting = np.inf, []
+    for green, red in product(greens, reds):
+        apart = float(np.linalg.norm(red.centre_px - green.centre_px)) / known_px
+        nearest = apart if abs(apart - 1) < abs(nearest - 1) else nearest
+        if abs(apart - 1) <= tolerance:
+            unlike = abs(np.log(len(green.pixels) / len(red.pixels)))
+            fitting.append((abs(apart - 1) / tolerance + unlike, green, red))
+    if not fitting:
+        found_mm = nearest * config.marker_separation_mm
+        return (
+            f"no two markers {config.marker_separation_mm:g} mm apart (nearest: {found_mm:.1f} mm)"
+        )
+    fitting.sort(key=lambda entry: entry[0])
+    _, green, red = fitting[0]
+    if len(fitting) > 1 and fitting[1][0] - fitting[0][0] < CLEAR_LEAD:
+        return "two pairs of markers fit equally well"
+    areas = sorted((len(green.pixels), len(red.pixels)))
+    if areas[0] < SMALLEST_AREA_RATIO * areas[1]:
+        return f"a marker is mostly hidden ({100 * areas[0] / areas[1]:.0f} % of the other)"
+    return Pair(green, red)
+
+
+def colour_mask(image: np.ndarray, colour: str, config: VisionConfig) -> np.ndarray:
+    """Where a BGR image has the marker's colour, (h, w) uint8 of 0 and 255."""
+    hsv = cv2.cvtColor(image, cv2.COLOR_BGR2HSV)
+    if colour == "green":
+        return _in_range(hsv, config.green_hue, config.green_saturation, config.green_value)
+    saturation, value = config.red_saturation, config.red_value
+    low = _in_range(hsv, config.red_hue_low, saturation, value)
+    return low | _in_range(hsv, config.red_hue_high, saturation, value)
+
+
+def _in_range(hsv: np.ndarray, hue: list[int], saturation: int, value: int) -> np.ndarray:
+    low = np.array([hue[0], saturation, value], np.uint8)
+    high = np.array([hue[1], 255, 255], np.uint8)
+    return cv2.inRange(hsv, low, high)
+
+
+def _blobs(image: np.ndarray, colour: str, config: VisionConfig, px_per_mm: float) -> list[Blob]:
+    thinning = max(1, image.shape[1] // SEARCH_WIDTH_PX)
+    coarse = colour_mask(image[::thinning, ::thinning], colour, config)
+    _, _, stats, _ = cv2.connectedComponentsWithStats(coarse)
+    smallest_px = SMALLEST_MM2 * px_per_mm**2
+    large = [s for s in stats[1:] if s[cv2.CC_STAT_AREA] * thinning**2 >= smallest_px]
+    large.sort(key=lambda s: -int(s[cv2.CC_STAT_AREA]))
+    margin = round(MARGIN_MM * px_per_mm)
+    blobs = []
+    for x, y, width, height, _ in large[:MOST_CANDIDATES]:
+        x0, y0 = max(0, x * thinning - margin), max(0, y * thinning - margin)
+        x1, y1 = (x + width) * thinning + margin, (y + height) * thinning + margin
+        mask = _opened(colour_mask(image[y0:y1, x0:x1], colour, config), px_per_mm)
+        pixels = _largest(mask)
+        if len(pixels) >= smallest_px:
+            pixels = pixels + np.array([x0, y0], np.float64)
+            blobs.append(Blob(pixels, pixels.mean(axis=0)))
+    return blobs
+
+
+def _opened(mask: np.ndarray, px_per_mm: float) -> np.ndarray:
+    size = 2 * round(OPENING_MM * px_per_mm / 2) + 1
+    return cv2.morphologyEx(mask, cv2.MORPH_OPEN, np.ones((size, size), np.uint8))
+
+
+def _largest(mask: np.ndarray) -> np.ndarray:
+    """Pixels (x, y) of the largest component of a mask, (n, 2)."""
+    count, labels, stats, _ = cv2.connectedComponentsWithStats(mask)
+    if count < 2:
+        return np.zeros((0, 2), np.int32)
+    label = 1 + int(stats[1:, cv2.CC_STAT_AREA].argmax())
+    y, x = np.nonzero(labels == label)
+    return np.stack([x, y], axis=1)
