@@ -17,7 +17,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from pipeline.config import CompensationConfig
-from pipeline.control.inverse import CONVERGED, MAX_ITERATIONS, Solution, State
+from pipeline.control.inverse import CONVERGED, HOME, MAX_ITERATIONS, Solution, State
 from pipeline.control.step_rules import Point, step_rule
 from pipeline.errors import UsageError, refusal
 from pipeline.models.loop_model import LoopModel
@@ -30,7 +30,7 @@ def follow_as_printed(
     model: LoopModel,
     targets_deg: Sequence[float],
     config: CompensationConfig,
-    state: State | None = None,
+    state: State = HOME,
 ) -> list[Solution]:
     """Commands for a path of desired angles [deg] by the reading `config.algorithm`.
 
@@ -45,7 +45,7 @@ def follow_as_printed(
                 "Choose one of them.",
             )
         )
-    command = (state or State()).command_deg
+    command = state.command_deg
     solutions: list[Solution] = []
     for target in targets_deg:
         solution = _search(model, float(target), command, config)

@@ -17,6 +17,7 @@ import numpy as np
 from pipeline.config import CompensationConfig
 from pipeline.control.monotone import MonotoneBranch, monotone_branch
 from pipeline.control.step_rules import Point, StepRule, step_rule
+from pipeline.errors import LoopgapError, refusal
 from pipeline.models.loop_model import LoopModel
 
 CONVERGED = "converged"
@@ -45,10 +46,14 @@ class Solution:
 
 @dataclass(frozen=True)
 class State:
-    """What one target leaves to the next: the command, and the direction of travel (0: none)."""
+    """Where a path starts: the command and desired angle before it, and the direction (0: none)."""
 
     command_deg: float = 0.0
+    target_deg: float = 0.0
     direction: int = 0
+
+
+HOME = State()
 
 
 Branches = Mapping[int, MonotoneBranch]
@@ -68,26 +73,30 @@ def nominal_branches(model: LoopModel) -> Branches:
 def directions_of(targets_deg: Sequence[float], state: State) -> list[int]:
     """Direction of travel of each target: the sign of the desired change, held where it is none.
 
-    The first target goes on in the state's direction, or takes the first one that follows; a path
-    that never changes counts as ascending.
+    Before the first change it is the state's direction, or else that of the first change; a path
+    without any counts as ascending.
     """
-    signs = [int(s) for s in np.sign(np.diff(np.asarray(targets_deg, dtype=float)))]
-    current = state.direction or next((s for s in signs if s), 1)
-    directions = [current]
+    changes = np.diff(np.asarray(targets_deg, dtype=float), prepend=state.target_deg)
+    signs = [int(sign) for sign in np.sign(changes)]
+    current = state.direction or next((sign for sign in signs if sign), 1)
+    directions = []
     for sign in signs:
         current = sign or current
         directions.append(current)
-    return directions[: len(targets_deg)]
+    return directions
 
 
 def follow(
     branches: Branches,
     targets_deg: Sequence[float],
     config: CompensationConfig,
-    state: State | None = None,
+    state: State = HOME,
 ) -> list[Solution]:
-    """Commands for a path of desired angles [deg]; each search starts where the last one ended."""
-    state = state or State()
+    """Commands for a path of desired angles [deg]; each search starts where the last one ended.
+
+    LoopgapError if a target is no number.
+    """
+    _check_targets(targets_deg)
     solutions: list[Solution] = []
     command = state.command_deg
     for target, direction in zip(targets_deg, directions_of(targets_deg, state), strict=True):
@@ -125,6 +134,19 @@ def invert(
     status = CONVERGED if abs(best.error_deg) <= config.tolerance_deg else MAX_ITERATIONS
     angle = target_deg + best.error_deg
     return Solution(target_deg, best.command_deg, angle, direction, status, iterations)
+
+
+def _check_targets(targets_deg: Sequence[float]) -> None:
+    bad = np.flatnonzero(~np.isfinite(np.asarray(targets_deg, dtype=float)))
+    if bad.size:
+        raise LoopgapError(
+            refusal(
+                f"target {int(bad[0])}",
+                "an angle in degrees",
+                f"{targets_deg[bad[0]]}",
+                "Take it out of the path, or fill it in.",
+            )
+        )
 
 
 def _next(

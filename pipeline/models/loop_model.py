@@ -98,8 +98,14 @@ class LoopModel:
             raise LoopgapError(
                 refusal("loop model", f"schema {SCHEMA!r}", repr(found), "Train the model anew.")
             )
-        mixtures = {model: MixtureRegression.from_json(entry.get(model, {})) for model in MODELS}
-        return cls(str(entry.get("command")), str(entry.get("measurement")), **mixtures)
+        missing = [key for key in ("command", "measurement", *MODELS) if key not in entry]
+        if missing:
+            raise LoopgapError(
+                refusal("loop model", f"a key {missing[0]!r}", f"{', '.join(entry)}",
+                        "Train the model anew.")
+            )  # fmt: skip
+        mixtures = {model: MixtureRegression.from_json(entry[model]) for model in MODELS}
+        return cls(entry["command"], entry["measurement"], **mixtures)
 
 
 def command_of(axis: str) -> str:
@@ -122,7 +128,7 @@ def branch_samples(
     """
     command, angle = (recording.channel(c).name for c in (command_of(axis), measurement_of(axis)))
     direction = branch_of(recording.values(command))
-    recording.cycles(cycles)
+    recording.cycles(cycles)  # refuses cycles that were not recorded
     everything = BranchSamples(
         recording.values(command),
         recording.values(angle),

@@ -169,16 +169,23 @@ class MixtureRegression:
             raise MixtureError(
                 refusal("mixture", f"{', '.join(JSON_KEYS)}", f"no {missing[0]}", "Train it anew.")
             )
-        weights, means, covariances = (np.asarray(entry[key], dtype=float) for key in JSON_KEYS[:3])
+        try:
+            weights, means, covariances = (
+                np.asarray(entry[key], dtype=float) for key in JSON_KEYS[:3]
+            )
+            low, high = (float(end) for end in entry["range_deg"])
+        except (TypeError, ValueError) as error:
+            raise MixtureError(
+                refusal("mixture", "lists of numbers", f"{error}", "Train it anew.")
+            ) from error
         k = weights.size
         found = (weights.shape, means.shape, covariances.shape)
         if found != ((k,), (k, 2), (k, 2, 2)) or k == 0:
             raise MixtureError(
                 refusal("mixture", "shapes (K,), (K, 2), (K, 2, 2)", f"{found}", "Train it anew.")
             )
-        low, high = entry["range_deg"]
         rest = {key: entry[key] for key in JSON_KEYS[4:]}
-        return cls(weights, means, covariances, (float(low), float(high)), **rest)
+        return cls(weights, means, covariances, (low, high), **rest)
 
     def _regress(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Conditional mean and total variance: sum h m, sum h (c + (m - mean)^2)."""

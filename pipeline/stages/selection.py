@@ -3,7 +3,7 @@
 Only cycles of the training set are looked at: the test cycles have no say in K.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -46,35 +46,36 @@ def select(
     smallest K that comes within 1 % of the best. The held-out error is that of a model fitted to
     the other training cycles, in up to three interleaved folds.
     """
-    if config.criterion not in CRITERIA:
-        raise UsageError(
-            refusal("selection.criterion", f"one of {', '.join(CRITERIA)}",
-                    repr(config.criterion), "Choose one of them.")
-        )  # fmt: skip
+    _check(config)
     training = replace(training, n_init=config.n_init)
-    candidates = [config.k] if config.k is not None else list(range(1, config.k_max + 1))
-    rows: list[tuple[str, str, int, float, float, float]] = []
-    for axis, recording in recordings.items():
-        for model, samples in branch_samples(recording, axis, train_cycles).items():
-            for k in candidates:
-                try:
-                    scores = _scores(samples, k, training, seed)
-                except MixtureError as error:
-                    raise MixtureError(f"{axis}, {model} model: {error}") from error
-                rows.append((axis, model, k, *scores))
+    rows = [
+        (axis, model, k, *scores)
+        for axis, recording in recordings.items()
+        for model, samples in branch_samples(recording, axis, train_cycles).items()
+        for k, scores in _scores(f"{axis}, {model} model", samples, config, training, seed)
+    ]
     table = pd.DataFrame(rows, columns=list(COLUMNS))
     return Selection(table, {axis: _choose(table, axis, config) for axis in recordings})
 
 
 def _scores(
-    samples: BranchSamples, k: int, training: TrainingConfig, seed: int
-) -> tuple[float, float, float]:
-    """BIC, AIC and held-out RMSE [deg]."""
-    measured = int(np.isfinite(samples.angle_deg).sum())
-    if k > 1 and k > largest_k(measured):
-        return np.nan, np.nan, np.nan
-    fitted = MixtureRegression.fit(samples.command_deg, samples.angle_deg, k, training, seed)
-    return fitted.bic(), fitted.aic(), heldout_rmse_deg(samples, k, training, seed)
+    name: str, samples: BranchSamples, config: SelectionConfig, training: TrainingConfig, seed: int
+) -> Iterator[tuple[int, tuple[float, float, float]]]:
+    """Each candidate K with its BIC, AIC and held-out RMSE [deg]."""
+    allowed = max(1, largest_k(int(np.isfinite(samples.angle_deg).sum())))
+    candidates = range(1, config.k_max + 1) if config.k is None else [config.k]
+    for k in candidates:
+        if config.k is None and k > allowed:
+            yield k, (np.nan, np.nan, np.nan)
+            continue
+        try:
+            fitted = MixtureRegression.fit(
+                samples.command_deg, samples.angle_deg, k, training, seed
+            )
+        except MixtureError as error:
+            raise MixtureError(f"{name}: {error}") from error
+        heldout = heldout_rmse_deg(samples, k, training, seed)
+        yield k, (fitted.bic(), fitted.aic(), heldout)
 
 
 def heldout_rmse_deg(samples: BranchSamples, k: int, training: TrainingConfig, seed: int) -> float:
@@ -96,6 +97,18 @@ def heldout_rmse_deg(samples: BranchSamples, k: int, training: TrainingConfig, s
         mixture = MixtureRegression.fit(train.command_deg, train.angle_deg, k, once, seed)
         errors.append(test.angle_deg - mixture.predict(test.command_deg)[0])
     return float(np.sqrt(np.nanmean(np.concatenate(errors) ** 2)))
+
+
+def _check(config: SelectionConfig) -> None:
+    if config.criterion not in CRITERIA:
+        raise UsageError(
+            refusal("selection.criterion", f"one of {', '.join(CRITERIA)}",
+                    repr(config.criterion), "Choose one of them.")
+        )  # fmt: skip
+    if config.k_max < 1:
+        raise UsageError(
+            refusal("selection.k_max", "at least 1", f"{config.k_max}", "Set it to 1 or more.")
+        )
 
 
 def _choose(table: pd.DataFrame, axis: str, config: SelectionConfig) -> dict[str, int]:
