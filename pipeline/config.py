@@ -70,7 +70,7 @@ class CameraConfig:
     height_px: int = 756
     jpeg_quality: int = 92
     devices: dict[str, int] = field(default_factory=dict)
-    folder: str | None = None
+    sources: dict[str, str] = field(default_factory=dict)
     stale_frames: int = 4
 
 
