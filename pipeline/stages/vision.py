@@ -2,11 +2,10 @@
 
 import math
 from collections.abc import Callable, Iterator
-from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
-from multiprocessing import get_context
 
 import cv2
 import numpy as np
@@ -19,7 +18,6 @@ from pipeline.vision.angle import FrameMeasurement, decode, measure_frame
 from pipeline.vision.frames import Frames
 from pipeline.vision.gate import flag_outliers
 
-BATCH = 25
 LOST = FrameMeasurement(math.nan, None, None, "no frame")
 NOWHERE = (math.nan, math.nan)
 
@@ -66,38 +64,34 @@ def _measure_all(
     rows: range,
     progress: Callable[[int, int], None] | None,
 ) -> list[FrameMeasurement]:
-    batches = [rows[start : start + BATCH] for start in rows[::BATCH]]
-    work = partial(_measure_batch, config, frames)
+    look = partial(_look, config, frames)
     seen: list[FrameMeasurement] = []
-    with _mapper(min(config.workers, len(batches))) as run:
-        for batch in run(work, batches):
-            seen += batch
-            if progress is not None:
-                progress(len(seen), len(rows))
+    with _opencv_in_one_thread(), ThreadPoolExecutor(config.workers) as pool:
+        try:
+            for measurement in pool.map(look, rows):
+                seen.append(measurement)
+                if progress is not None:
+                    progress(len(seen), len(rows))
+        except BaseException:
+            pool.shutdown(cancel_futures=True)
+            raise
     return seen
+
+
+def _look(config: VisionConfig, frames: Frames, row: int) -> FrameMeasurement:
+    jpeg = frames.read(row)
+    return LOST if jpeg is None else measure_frame(decode(jpeg, frames.where(row)), config)
 
 
 @contextmanager
-def _mapper(workers: int) -> Iterator[Callable[..., Iterator[list[FrameMeasurement]]]]:
-    """`map`, over processes where there are several workers."""
-    if workers <= 1:
-        yield map
-        return
-    with ProcessPoolExecutor(workers, get_context("spawn"), cv2.setNumThreads, (1,)) as pool:
-        try:
-            yield pool.map
-        finally:
-            pool.shutdown(cancel_futures=True)
-
-
-def _measure_batch(config: VisionConfig, frames: Frames, rows: range) -> list[FrameMeasurement]:
-    seen = []
-    for row in rows:
-        jpeg = frames.read(row)
-        seen.append(
-            LOST if jpeg is None else measure_frame(decode(jpeg, frames.where(row)), config)
-        )
-    return seen
+def _opencv_in_one_thread() -> Iterator[None]:
+    """OpenCV's own threads and ours would get in each other's way; it lets go of Python's lock."""
+    before = cv2.getNumThreads()
+    cv2.setNumThreads(1)
+    try:
+        yield
+    finally:
+        cv2.setNumThreads(before)
 
 
 def _table(seen: list[FrameMeasurement], outlier: np.ndarray) -> pd.DataFrame:

@@ -39,6 +39,7 @@ SHADOW = 0.30
 SHADOW_OFFSET_MM = (0.9, 1.2)
 SHADOW_BLUR_MM = 0.9
 NOISE_SHIFTS = 64
+NOISE_TILE = 1100
 
 
 @dataclass(frozen=True)
@@ -135,7 +136,8 @@ def _draw_arm(frame: np.ndarray, backdrop: Backdrop, pose_deg: float) -> None:
     paint = np.empty_like(view)
     paint[:] = BODY_BGR
     _blend(paint, _between(along, *GREEN_MM, ramp_mm), np.array(GREEN_BGR, np.float32))
-    _blend(paint, _between(along, *RED_MM, ramp_mm), np.array(RED_BGR, np.float32))
+    red_mm = (RED_MM[0], RED_MM[1] + ramp_mm)  # the paint goes round the tip's edge
+    _blend(paint, _between(along, *red_mm, ramp_mm), np.array(RED_BGR, np.float32))
     lit = _shade(across / (ARM_DIAMETER_MM / 2), angle_deg, paint)
     lit *= backdrop.light[y0:y1, x0:x1, None]
     _blend(view, arm, lit)
@@ -213,9 +215,9 @@ def _light(width_px: int, height_px: int) -> np.ndarray:
 
 
 def _sensor_noise(width_px: int, height_px: int) -> np.ndarray:
-    rng = np.random.default_rng(width_px)
-    grain = rng.standard_normal((height_px, width_px, 3), dtype=np.float32)
-    return _to_grey_levels(128.0 + NOISE_GREY * grain)
+    tile = np.random.default_rng(0).standard_normal((NOISE_TILE, NOISE_TILE, 3), dtype=np.float32)
+    tiles = (-(-height_px // NOISE_TILE), -(-width_px // NOISE_TILE), 1)
+    return np.tile(_to_grey_levels(128.0 + NOISE_GREY * tile), tiles)[:height_px, :width_px]
 
 
 def _blur(image: np.ndarray, px_per_mm: float) -> np.ndarray:

@@ -9,6 +9,7 @@ STRIPS = 48
 SMOOTHING_OF_HEIGHT = 0.003
 WIDTH_TOLERANCE = 0.1
 WEAK_EDGE = 0.3
+FAINT_EDGE_GREY = 12.0
 STRIPS_NEEDED = 0.5
 LARGEST_SPREAD = 0.05
 
@@ -26,19 +27,21 @@ def find_base_line(image: np.ndarray, region: list[float]) -> Line | str:
 
     `image` is (h, w, 3) BGR; `region` is left, top, right, bottom as shares of the image. Each of
     48 vertical strips gives the shaft's two edges (the steepest rise and fall of brightness, to
-    a fraction of a pixel); strips with another shaft width than most are left out, and a line is
-    fitted to the middles of the others.
+    a fraction of a pixel); strips with faint edges or another shaft width than most are left out,
+    and a line is fitted to the middles of the others.
     """
     height, width = image.shape[:2]
     left, right = round(region[0] * width), round(region[2] * width)
     top, bottom = round(region[1] * height), round(region[3] * height)
     grey = cv2.cvtColor(image[top:bottom, left:right], cv2.COLOR_BGR2GRAY)
     strips = cv2.resize(grey, (STRIPS, bottom - top), interpolation=cv2.INTER_AREA)
-    first, second, strength = _edges(strips, SMOOTHING_OF_HEIGHT * height)
+    sigma_px = SMOOTHING_OF_HEIGHT * height
+    first, second, strength = _edges(strips, sigma_px)
     shaft_px = second - first
     usual_px = float(np.median(shaft_px))
     good = np.abs(shaft_px - usual_px) <= WIDTH_TOLERANCE * usual_px
-    good &= strength >= WEAK_EDGE * np.median(strength)
+    faint = FAINT_EDGE_GREY / (np.sqrt(2 * np.pi) * sigma_px)
+    good &= strength >= max(faint, WEAK_EDGE * float(np.median(strength)))
     if good.sum() < STRIPS_NEEDED * STRIPS:
         return f"base shaft not found: its edges agree in {good.sum()} of {STRIPS} strips"
     strip_px = (right - left) / STRIPS

@@ -6,7 +6,7 @@ from typing import Protocol
 
 
 class Frames(Protocol):
-    """The frames of one camera, one for each row of a recording; travels between processes."""
+    """The frames of one camera, one for each row of a recording; read by several threads."""
 
     def read(self, row: int) -> bytes | None:
         """The encoded frame of a row, None where it was lost."""

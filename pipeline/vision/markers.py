@@ -42,7 +42,15 @@ def find_pair(image: np.ndarray, config: VisionConfig) -> Pair | str:
     then only the surroundings of each candidate are looked at in full resolution.
     """
     px_per_mm = image.shape[1] / config.field_width_mm
-    greens, reds = (_blobs(image, colour, config, px_per_mm) for colour in ("green", "red"))
+    thinning = max(1, image.shape[1] // SEARCH_WIDTH_PX)
+    thin = cv2.resize(
+        image, None, fx=1 / thinning, fy=1 / thinning, interpolation=cv2.INTER_NEAREST
+    )
+    thin_hsv = cv2.cvtColor(thin, cv2.COLOR_BGR2HSV)
+    greens, reds = (
+        _blobs(image, _boxes(colour_mask(thin_hsv, colour, config), thinning), colour, config)
+        for colour in ("green", "red")
+    )
     for colour, found in (("green", greens), ("red", reds)):
         if not found:
             return f"no {colour} marker"
@@ -70,9 +78,8 @@ def find_pair(image: np.ndarray, config: VisionConfig) -> Pair | str:
     return Pair(green, red)
 
 
-def colour_mask(image: np.ndarray, colour: str, config: VisionConfig) -> np.ndarray:
-    """Where a BGR image has the marker's colour, (h, w) uint8 of 0 and 255."""
-    hsv = cv2.cvtColor(image, cv2.COLOR_BGR2HSV)
+def colour_mask(hsv: np.ndarray, colour: str, config: VisionConfig) -> np.ndarray:
+    """Where an HSV image has the marker's colour, (h, w) uint8 of 0 and 255."""
     if colour == "green":
         return _in_range(hsv, config.green_hue, config.green_saturation, config.green_value)
     saturation, value = config.red_saturation, config.red_value
@@ -86,24 +93,33 @@ def _in_range(hsv: np.ndarray, hue: list[int], saturation: int, value: int) -> n
     return cv2.inRange(hsv, low, high)
 
 
-def _blobs(image: np.ndarray, colour: str, config: VisionConfig, px_per_mm: float) -> list[Blob]:
-    thinning = max(1, image.shape[1] // SEARCH_WIDTH_PX)
-    coarse = colour_mask(image[::thinning, ::thinning], colour, config)
-    _, _, stats, _ = cv2.connectedComponentsWithStats(coarse)
-    smallest_px = SMALLEST_MM2 * px_per_mm**2
-    large = [s for s in stats[1:] if s[cv2.CC_STAT_AREA] * thinning**2 >= smallest_px]
-    large.sort(key=lambda s: -int(s[cv2.CC_STAT_AREA]))
+def _boxes(thin_mask: np.ndarray, thinning: int) -> list[np.ndarray]:
+    """Boxes (x, y, width, height) [px of the full image] of the largest blobs of a thinned mask."""
+    x, y, width, height = cv2.boundingRect(thin_mask)
+    if width == 0:
+        return []
+    _, _, stats, _ = cv2.connectedComponentsWithStats(thin_mask[y : y + height, x : x + width])
+    largest = sorted(stats[1:], key=lambda s: -int(s[cv2.CC_STAT_AREA]))[:MOST_CANDIDATES]
+    return [thinning * (s[:4] + np.array([x, y, 0, 0])) for s in largest]
+
+
+def _blobs(
+    image: np.ndarray, boxes: list[np.ndarray], colour: str, config: VisionConfig
+) -> list[Blob]:
+    """What there is in full resolution in and close around each box; each blob once."""
+    px_per_mm = image.shape[1] / config.field_width_mm
     margin = round(MARGIN_MM * px_per_mm)
-    blobs = []
-    for x, y, width, height, _ in large[:MOST_CANDIDATES]:
-        x0, y0 = max(0, x * thinning - margin), max(0, y * thinning - margin)
-        x1, y1 = (x + width) * thinning + margin, (y + height) * thinning + margin
-        mask = _opened(colour_mask(image[y0:y1, x0:x1], colour, config), px_per_mm)
-        pixels = _largest(mask)
-        if len(pixels) >= smallest_px:
+    blobs: dict[tuple[float, ...], Blob] = {}
+    for x, y, width, height in boxes:
+        x0, y0 = max(0, x - margin), max(0, y - margin)
+        view = image[y0 : y + height + margin, x0 : x + width + margin]
+        mask = colour_mask(cv2.cvtColor(view, cv2.COLOR_BGR2HSV), colour, config)
+        pixels = _largest(_opened(mask, px_per_mm))
+        if len(pixels) >= SMALLEST_MM2 * px_per_mm**2:
             pixels = pixels + np.array([x0, y0], np.float64)
-            blobs.append(Blob(pixels, pixels.mean(axis=0)))
-    return blobs
+            centre_px = pixels.mean(axis=0)
+            blobs[tuple(centre_px)] = Blob(pixels, centre_px)
+    return list(blobs.values())
 
 
 def _opened(mask: np.ndarray, px_per_mm: float) -> np.ndarray:
