@@ -136,7 +136,8 @@ def selection_figure(
     for panel in axes[-1]:
         panel.set_xlabel("number of components K")
     _shared_legend(figure, axes[0, 0], 3)
-    figure.suptitle(f"How many components each model needs (filled: chosen by {criterion})")
+    chosen_by = criterion.upper() if criterion in ("bic", "aic") else criterion
+    figure.suptitle(f"How many components each model needs (filled: chosen by {chosen_by})")
     return figure
 
 
@@ -158,7 +159,7 @@ def loops_figure(predictions: Mapping[str, pd.DataFrame]) -> Figure:
         lower.set_ylabel("angle − nominal [deg]")
         lower.set_xlabel("command [deg of motor shaft]")
     _shared_legend(figure, axes[0, 0], 4 if len(predictions) > 1 else 2)
-    figure.suptitle("Hysteresis on the test cycles (bands: mean ± 2 standard deviations)")
+    figure.suptitle("Hysteresis on the test cycles (bands, thin lines: ± 2 standard deviations)")
     return figure
 
 
@@ -220,7 +221,7 @@ def tracking_figure(landings: Mapping[str, Mapping[str, pd.DataFrame]]) -> Figur
         lower.axhline(0.0, color="black", lw=0.8)
         upper.set_title(f"{axis}: bending angle")
         upper.set_ylabel("angle [deg]")
-        lower.set_title(f"{axis}: distance from the desired angle")
+        lower.set_title(f"{axis}: error against the desired angle")
         lower.set_ylabel("measured − desired [deg]")
         lower.set_xlabel("target, in the order of sending")
     _shared_legend(figure, axes[0, 0], 4)
@@ -245,7 +246,7 @@ def commands_figure(landings: Mapping[str, Mapping[str, pd.DataFrame]]) -> Figur
                 panel.plot(stuck, values[stuck], "x", color=COLOURS["desired"], ms=5)
         upper.set_title(f"{axis}: command")
         upper.set_ylabel("command [deg of shaft]")
-        lower.set_title(f"{axis}: what is added to the nominal command")
+        lower.set_title(f"{axis}: added to the nominal command")
         lower.set_ylabel("command − nominal [deg]")
         lower.set_xlabel("target, in the order of sending")
     _shared_legend(figure, axes[0, 0], 4)
@@ -270,7 +271,10 @@ def _loop_panel(panel: Axes, table: pd.DataFrame, opened: bool) -> None:
             mean = mean - curve["nominal_deg"].to_numpy(float)
         reach = 2.0 * curve[f"{method}_std_deg"].to_numpy(float)
         colour = COLOURS[name]
-        panel.fill_between(command, mean - reach, mean + reach, color=colour, alpha=0.14, lw=0)
+        if name == "nominal":
+            panel.plot(command, mean - reach, command, mean + reach, color=colour, lw=0.6, ls=line)
+        else:
+            panel.fill_between(command, mean - reach, mean + reach, color=colour, alpha=0.2, lw=0)
         panel.plot(command, mean, color=colour, ls=line, label=NAMES[name])
 
 

@@ -1,0 +1,345 @@
+"""The review of a run: one rerun recording of frames, markers, signals and loops.
+
+Rerun's interface changes with each release: this is the one file that knows it. Both axes stand on
+one time axis that begins with each axis's own first sample, so that one cursor moves them together.
+"""
+
+import os
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pandas as pd
+import rerun as rr
+import rerun.blueprint as rrb
+
+from pipeline.recording import Recording
+
+APPLICATION = "loopgap"
+TIMELINE = "time"
+FRAME_WIDTH_PX = 640
+FRAME_QUALITY = 80
+FRAMES_AT_MOST = 1000
+FRAMES_A_CHUNK = 50
+ROOM_FOR_LEGEND = 1.35
+PAPER = [255, 255, 255, 255]
+COLOURS = {
+    "command": "#FFFFFF",
+    "encoder": "#E69F00",
+    "measured": "#A8A8A8",
+    "nominal": "#F0743A",
+    "compensated": "#56B4E9",
+    "cw": "#56B4E9",
+    "ccw": "#2BC48E",
+    "now": "#F0E442",
+    "green_marker": "#00E676",
+    "red_marker": "#FF5252",
+    "base_line": "#F0E442",
+    "marker_line": "#40C4FF",
+}
+SERIES = {
+    "command": ("command", "command"),
+    "encoder": ("encoder", "encoder"),
+    "measured": ("measured", "measured"),
+    "nominal": ("nominal model", "nominal"),
+    "compensated": ("compensated model", "compensated"),
+    "nominal_error": ("measured − nominal", "nominal"),
+    "compensated_error": ("measured − compensated", "compensated"),
+}
+SHAFT = ("command", "encoder")
+ANGLES = ("measured", "nominal", "compensated")
+ERRORS = ("nominal_error", "compensated_error")
+AS_POINTS = ("measured", *ERRORS)
+
+Signals = dict[str, tuple[np.ndarray, np.ndarray]]
+
+
+@dataclass(frozen=True)
+class AxisReview:
+    """What is shown of one axis.
+
+    recording: with `<axis>_command_deg`, `_encoder_deg`, `_angle_deg`; markers: a row for each of
+    its samples (green_x_px, green_y_px, red_x_px, red_y_px, base_x_px, base_y_px,
+    base_direction_deg, outlier, reason); read_frame: the encoded frame of a row, None where lost;
+    predictions: `stages.evaluation.predict_cycles` of all cycles; loop_png: a picture of the loop.
+    """
+
+    recording: Recording
+    markers: pd.DataFrame
+    read_frame: Callable[[int], bytes | None]
+    predictions: pd.DataFrame
+    loop_png: bytes
+
+
+def write_review(
+    path: Path, axes: Mapping[str, AxisReview], pictures: Mapping[str, bytes], summary: str
+) -> None:
+    """Write the recording whole, or leave the old one.
+
+    `pictures` are PNGs by name (a word), `summary` is Markdown. Frames wider than 640 px are halved
+    until they are not, and evenly thinned to at most 1000 an axis; the signals keep every sample.
+    """
+    rr.set_strict_mode(True)
+    stream = rr.RecordingStream(APPLICATION)
+    neighbour = path.with_name(f".{path.stem}.{os.getpid()}.part.rrd")
+    path.parent.mkdir(parents=True, exist_ok=True)
+    signals = {axis: _signals(axis, review) for axis, review in axes.items()}
+    try:
+        stream.save(neighbour, default_blueprint=blueprint(signals, list(pictures)))
+        for axis, review in axes.items():
+            _log_axis(stream, axis, review, signals[axis])
+        for name, png in pictures.items():
+            image = rr.EncodedImage(contents=png, media_type="image/png")
+            stream.log(f"figures/{name}", image, static=True)
+        document = rr.TextDocument(summary, media_type=rr.MediaType.MARKDOWN)
+        stream.log("summary", document, static=True)
+        stream.flush()
+        stream.disconnect()
+        neighbour.replace(path)
+    finally:
+        neighbour.unlink(missing_ok=True)
+
+
+def blueprint(signals: Mapping[str, Signals], pictures: Sequence[str]) -> rrb.Blueprint:
+    """What opens: a row for each axis (camera, signals, loop), and tabs of what belongs beside.
+
+    The signals' plots open at their full length and height, with room for the legend.
+    """
+    overview = rrb.Vertical(*(_axis_row(axis, signals[axis]) for axis in signals), name="Overview")
+    shafts = [_series_view(axis, SHAFT, "motor shaft [deg]", signals[axis]) for axis in signals]
+    loops = rrb.Vertical(
+        *(rrb.Horizontal(_loop_view(axis), _picture_view(f"{axis}/loop_picture", f"{axis}: loop"))
+          for axis in signals),
+        name="Loops",
+    )  # fmt: skip
+    figures = [_picture_view(f"figures/{name}", name.capitalize()) for name in pictures]
+    summary = rrb.TextDocumentView(origin="summary", name="Summary")
+    notes = rrb.TextLogView(origin="/", contents="/**/notes", name="Notes")
+    shaft = rrb.Vertical(*shafts, name="Commands")
+    return rrb.Blueprint(
+        rrb.Tabs(overview, shaft, loops, *figures, summary, notes, active_tab=0),
+        rrb.BlueprintPanel(state="collapsed"),
+        rrb.SelectionPanel(state="collapsed"),
+        rrb.TimePanel(state="collapsed", timeline=TIMELINE, play_state="paused"),
+        auto_views=False,
+        auto_layout=False,
+    )
+
+
+def _axis_row(axis: str, signals: Signals) -> rrb.Horizontal:
+    return rrb.Horizontal(
+        rrb.Spatial2DView(origin=f"{axis}/camera", name=f"{axis}: camera"),
+        rrb.Vertical(
+            _series_view(axis, ANGLES, "bending angle [deg]", signals),
+            _series_view(axis, ERRORS, "measured − predicted [deg]", signals),
+        ),
+        _picture_view(f"{axis}/loop_picture", f"{axis}: loop"),
+        column_shares=[1.1, 1.6, 0.8],
+    )
+
+
+def _series_view(
+    axis: str, series: Sequence[str], title: str, signals: Signals
+) -> rrb.TimeSeriesView:
+    time_s = np.concatenate([signals[name][0] for name in series])
+    values = np.concatenate([signals[name][1] for name in series])
+    longest_s = float(time_s.max()) if len(time_s) else 0.0
+    low, high = (float(values.min()), float(values.max())) if len(values) else (0.0, 1.0)
+    room = 0.05 * (high - low) or 1.0
+    whole = rrb.TimeRange(
+        start=rrb.TimeRangeBoundary.absolute(seconds=0.0),
+        end=rrb.TimeRangeBoundary.absolute(seconds=ROOM_FOR_LEGEND * longest_s),
+    )
+    return rrb.TimeSeriesView(
+        origin=f"{axis}/signals",
+        contents=[f"$origin/{name}" for name in series],
+        name=f"{axis}: {title}",
+        axis_x=rrb.TimeAxis(view_range=whole),
+        axis_y=rrb.ScalarAxis(range=(low - room, high + room)),
+        plot_legend=rrb.PlotLegend(rrb.Corner2D.RightTop),
+    )
+
+
+def _picture_view(origin: str, title: str) -> rrb.Spatial2DView:
+    return rrb.Spatial2DView(origin=origin, name=title, background=PAPER)
+
+
+def _loop_view(axis: str) -> rrb.Spatial2DView:
+    return rrb.Spatial2DView(origin=f"{axis}/loop", name=f"{axis}: angle over command [deg]")
+
+
+def _signals(axis: str, review: AxisReview) -> Signals:
+    """Time since the axis's first sample [s] and values [deg] of each series, both (n,)."""
+    recording, predictions = review.recording, review.predictions
+    begin_s = recording.values("time_s")[:1].sum()
+    time_s = recording.values("time_s") - begin_s
+    predicted_s = predictions["time_s"].to_numpy(float) - begin_s
+    columns = {name: predictions[f"{name}_deg"].to_numpy(float) for name in ANGLES}
+    series = {
+        "command": (time_s, recording.values(f"{axis}_command_deg")),
+        "encoder": (time_s, recording.values(f"{axis}_encoder_deg")),
+        "measured": (time_s, recording.values(f"{axis}_angle_deg")),
+        "nominal": (predicted_s, columns["nominal"]),
+        "compensated": (predicted_s, columns["compensated"]),
+        "nominal_error": (predicted_s, columns["measured"] - columns["nominal"]),
+        "compensated_error": (predicted_s, columns["measured"] - columns["compensated"]),
+    }
+    return {
+        name: (when_s[np.isfinite(values)], values[np.isfinite(values)])
+        for name, (when_s, values) in series.items()
+    }
+
+
+def _log_axis(stream: rr.RecordingStream, axis: str, review: AxisReview, signals: Signals) -> None:
+    time_s = review.recording.values("time_s")
+    time_s = time_s - time_s[:1].sum()
+    _log_frames(stream, axis, review, time_s)
+    _log_signals(stream, axis, signals)
+    _log_loop(stream, axis, review, time_s)
+    _log_notes(stream, axis, review.markers, time_s)
+    image = rr.EncodedImage(contents=review.loop_png, media_type="image/png")
+    stream.log(f"{axis}/loop_picture", image, static=True)
+
+
+def _log_frames(
+    stream: rr.RecordingStream, axis: str, review: AxisReview, time_s: np.ndarray
+) -> None:
+    every = max(1, -(-len(time_s) // FRAMES_AT_MOST))
+    rows = list(range(0, len(time_s), every))
+    shrink = 1
+    with ThreadPoolExecutor(2) as pool:
+        for begin in range(0, len(rows), FRAMES_A_CHUNK):
+            chunk = rows[begin : begin + FRAMES_A_CHUNK]
+            small = pool.map(_small_jpeg, map(review.read_frame, chunk))
+            seen = [(row, *frame) for row, frame in zip(chunk, small, strict=True) if frame]
+            if not seen:
+                continue
+            shrink = seen[0][2]
+            stream.send_columns(
+                f"{axis}/camera/frame",
+                [_times(time_s[[row for row, *_ in seen]])],
+                rr.EncodedImage.columns(
+                    blob=[jpeg for _, jpeg, _ in seen], media_type=["image/jpeg"] * len(seen)
+                ),
+            )
+    _log_markers(stream, axis, review.markers.iloc[rows], time_s[rows], shrink)
+
+
+def _small_jpeg(frame: bytes | None) -> tuple[bytes, int] | None:
+    """A frame as a small JPEG, and by what it was shrunk; None if there is no readable frame."""
+    data = np.frombuffer(frame or b"", np.uint8)
+    image = cv2.imdecode(data, cv2.IMREAD_REDUCED_COLOR_2) if data.size else None
+    if image is None:
+        return None
+    shrink = 2
+    while image.shape[1] > FRAME_WIDTH_PX:
+        image = cv2.resize(image, None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA)
+        shrink *= 2
+    if shrink == 2 and 2 * image.shape[1] <= FRAME_WIDTH_PX:
+        return bytes(data), 1
+    _, jpeg = cv2.imencode(".jpg", image, [cv2.IMWRITE_JPEG_QUALITY, FRAME_QUALITY])
+    return jpeg.tobytes(), shrink
+
+
+def _log_markers(
+    stream: rr.RecordingStream, axis: str, markers: pd.DataFrame, time_s: np.ndarray, shrink: int
+) -> None:
+    """Centres and lines over the frames; rerun counts pixels from the corner, not the centre."""
+    green, red, base = (
+        (markers[[f"{name}_x_px", f"{name}_y_px"]].to_numpy(float) + 0.5) / shrink
+        for name in ("green", "red", "base")
+    )
+    for name, centre in (("green", green), ("red", red)):
+        entity = f"{axis}/camera/{name}_marker"
+        look = rr.Points2D.from_fields(colors=[_rgb(f"{name}_marker")], radii=[_points(5.0)])
+        stream.log(entity, look, static=True)
+        there = np.isfinite(centre).all(axis=1)
+        columns = rr.Points2D.columns(positions=centre[there]).partition(there.astype(int))
+        stream.send_columns(entity, [_times(time_s)], columns)
+    turn = np.radians(markers["base_direction_deg"].to_numpy(float))
+    along = np.stack([np.cos(turn), -np.sin(turn)], axis=1) * 220.0 / shrink
+    lines = {
+        "base_line": np.stack([base - along, base + along], axis=1),
+        "marker_line": np.stack([green - 0.5 * (red - green), red + 0.5 * (red - green)], axis=1),
+    }
+    for name, strips in lines.items():
+        entity = f"{axis}/camera/{name}"
+        line = rr.LineStrips2D.from_fields(colors=[_rgb(name)], radii=[_points(1.2)])
+        stream.log(entity, line, static=True)
+        there = np.isfinite(strips).all(axis=(1, 2))
+        columns = rr.LineStrips2D.columns(strips=list(strips[there].astype(np.float32))).partition(
+            there.astype(int)
+        )
+        stream.send_columns(entity, [_times(time_s)], columns)
+
+
+def _log_signals(stream: rr.RecordingStream, axis: str, signals: Signals) -> None:
+    for name, (time_s, values) in signals.items():
+        entity = f"{axis}/signals/{name}"
+        label, colour = SERIES[name]
+        look = (
+            rr.SeriesPoints(
+                colors=[_rgb(colour)], names=[label], markers=["circle"], marker_sizes=[1.5]
+            )
+            if name in AS_POINTS
+            else rr.SeriesLines(colors=[_rgb(colour)], names=[label], widths=[1.5])
+        )
+        stream.log(entity, look, static=True)
+        stream.send_columns(entity, [_times(time_s)], rr.Scalars.columns(scalars=values))
+
+
+def _log_loop(
+    stream: rr.RecordingStream, axis: str, review: AxisReview, time_s: np.ndarray
+) -> None:
+    """The loop as lines: command to the right, angle upwards (rerun's y points down)."""
+    command = review.recording.values(f"{axis}_command_deg")
+    angle = review.recording.values(f"{axis}_angle_deg")
+    there = np.isfinite(angle)
+    points = np.stack([command, -angle], axis=1)
+    lines = {"measured": points[there]}
+    for name, method, direction in (
+        ("nominal", "nominal", None), ("cw", "compensated", 1), ("ccw", "compensated", -1)
+    ):  # fmt: skip
+        table = review.predictions
+        branch = table if direction is None else table[table["direction"] == direction]
+        curve = branch.drop_duplicates("command_deg").sort_values("command_deg")
+        curve_points = np.stack([curve["command_deg"], -curve[f"{method}_deg"]], axis=1)
+        lines[name] = curve_points
+    for name, line in lines.items():
+        width = _points(0.6 if name == "measured" else 1.4)
+        strip = rr.LineStrips2D([line], colors=[_rgb(name)], radii=[width])
+        stream.log(f"{axis}/loop/{name}", strip, static=True)
+    look = rr.Points2D.from_fields(colors=[_rgb("now")], radii=[_points(5.0)])
+    stream.log(f"{axis}/loop/now", look, static=True)
+    columns = rr.Points2D.columns(positions=points[there]).partition(there.astype(int))
+    stream.send_columns(f"{axis}/loop/now", [_times(time_s)], columns)
+
+
+def _log_notes(
+    stream: rr.RecordingStream, axis: str, markers: pd.DataFrame, time_s: np.ndarray
+) -> None:
+    """One line for each frame that was set aside, with the reason."""
+    reason = markers["reason"].fillna("").astype(str).to_numpy()
+    outlier = markers["outlier"].to_numpy(bool)
+    noted = np.flatnonzero(outlier | (reason != ""))
+    if not len(noted):
+        return
+    texts = [f"{axis}, sample {i}: {reason[i] or 'outlier'}" for i in noted]
+    columns = rr.TextLog.columns(text=texts, level=["WARN"] * len(noted))
+    stream.send_columns(f"{axis}/notes", [_times(time_s[noted])], columns)
+
+
+def _times(time_s: np.ndarray) -> rr.TimeColumn:
+    return rr.TimeColumn(TIMELINE, duration=time_s)
+
+
+def _points(width: float) -> float:
+    """A radius in points of the screen: rerun keeps these as negative numbers."""
+    return -width
+
+
+def _rgb(name: str) -> list[int]:
+    return list(bytes.fromhex(COLOURS[name].removeprefix("#")))
