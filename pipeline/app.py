@@ -59,14 +59,15 @@ def _hydra_job(raw: DictConfig) -> None:
     settings = HydraConfig.get()
     folder = Path(settings.runtime.output_dir)
     in_sweep = settings.mode == RunMode.MULTIRUN
-    head = {"overrides": list(settings.overrides.task), "number": settings.job.get("num", 0)}
+    overrides = dict(o.lstrip("+~").split("=", 1) for o in settings.overrides.task if "=" in o)
+    head = {"overrides": overrides, "number": settings.job.num if in_sweep else 0}
     _note(folder, head | {"status": "running"})
     try:
         config = OmegaConf.to_object(raw)
         assert isinstance(config, Config)
         check_config(config)
         write_atomically(folder / "config.yaml", OmegaConf.to_yaml(raw, resolve=True))
-        run_stages(config, folder, folder.parent if in_sweep else None)
+        run_stages(config, folder)
     except BaseException as error:
         _note(folder, head | {"status": "failed", "error": f"{type(error).__name__}: {error}"})
         if not in_sweep or not isinstance(error, Exception):
@@ -95,9 +96,11 @@ def _sweep_folder() -> Path | None:
 
 
 def _report_sweep(folder: Path) -> int:
-    summary = collect(folder)
-    print(summary.text)
-    return 1 if summary.failed else 0
+    collection = collect(folder)
+    print(f"\ntable of all jobs: {folder / 'results.md'}")
+    for job in collection.incomplete.itertuples():
+        print(f"job {job.job} {job.status}: {job.error}", file=sys.stderr)
+    return 1 if len(collection.incomplete) else 0
 
 
 def _complain(message: str, status: int) -> int:

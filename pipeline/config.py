@@ -173,7 +173,7 @@ class ConstantConfig(StepRuleConfig):
 @dataclass
 class DiminishingConfig(StepRuleConfig):
     name: str = "diminishing"
-    initial: float = 1.0
+    initial: float = 1.5
     power: float = 0.5
 
 
@@ -202,9 +202,10 @@ class CompensationConfig:
 
 @dataclass
 class EvaluationConfig:
-    """How the tables are made."""
+    """How the tables are made; `trial` sends the compensated commands to the robot too."""
 
     tip_length_mm: float = 3.0
+    trial: bool = True
 
 
 @dataclass
@@ -230,6 +231,7 @@ class Config:
     stages: list[str] = field(default_factory=lambda: list(STAGES))
     seed: int = 0
     recording: str | None = None
+    earlier: str | None = None
     model: str | None = None
     acquisition: AcquisitionConfig = field(default_factory=AcquisitionConfig)
     robot: RobotConfig = field(default_factory=RobotConfig)
