@@ -1,21 +1,72 @@
-"""The catalogue: every term by its name."""
+"""The catalogue: every term by its name, in the forms that a search tries."""
+
+from collections.abc import Iterable
 
 from pipeline.errors import refusal
 from pipeline.physics.backlash import Backlash
+from pipeline.physics.camera_tilt import CameraTilt
+from pipeline.physics.compliance import Compliance
+from pipeline.physics.contact import Contact
+from pipeline.physics.coupling import Coupling
+from pipeline.physics.creep import Creep
+from pipeline.physics.drift import Drift
+from pipeline.physics.end_stop import EndStop
+from pipeline.physics.frame_lag import FrameLag
 from pipeline.physics.friction import Friction
+from pipeline.physics.gravity import Gravity
+from pipeline.physics.lens_distortion import LensDistortion
+from pipeline.physics.lost_steps import LostSteps
+from pipeline.physics.marker_outliers import MarkerOutliers
+from pipeline.physics.response_lag import ResponseLag
+from pipeline.physics.slack import Slack
+from pipeline.physics.tension_loss import TensionLoss
 from pipeline.physics.term import Term, TermError
+from pipeline.physics.transmission_ripple import TransmissionRipple
 
-TERMS: dict[str, tuple[Term, ...]] = {
-    "backlash": (Backlash(),),
-    "friction": (Friction(),),
-}
+FORCE_TERMS = (
+    "coulomb_friction",
+    "viscous_friction",
+    "stribeck_friction",
+    "stiffness",
+    "inertia",
+)
 
 
-def term(name: str, form: str = "") -> Term:
-    """The term of a name (and form); TermError names those that exist."""
-    for candidate in TERMS.get(name, ()):
-        if candidate.form == form or not form:
-            return candidate
-    raise TermError(
-        refusal("physics", f"one of {', '.join(TERMS)}", repr(name), "Name one of these.")
+def terms(other_commands: Iterable[str] = ()) -> tuple[Term, ...]:
+    """Every term in every form; a coupling for each other command."""
+    return (
+        LostSteps(),
+        TransmissionRipple(),
+        Backlash(),
+        Friction(),
+        Slack(),
+        Compliance(),
+        Creep(),
+        TensionLoss("travel"),
+        TensionLoss("time"),
+        Gravity(),
+        Contact("upper"),
+        Contact("lower"),
+        EndStop("upper"),
+        EndStop("lower"),
+        *(Coupling(name) for name in other_commands),
+        ResponseLag(),
+        CameraTilt(),
+        LensDistortion(),
+        FrameLag("time"),
+        MarkerOutliers(),
+        Drift("linear"),
+        Drift("cycle"),
+        Drift("exponential"),
+        Drift("wave"),
     )
+
+
+def term(name: str, form: str = "", other_commands: Iterable[str] = ()) -> Term:
+    """The term of a name (and form); TermError names those that exist."""
+    found = terms(other_commands)
+    for candidate in found:
+        if candidate.name == name and form in ("", candidate.form):
+            return candidate
+    names = ", ".join(dict.fromkeys(t.name for t in found))
+    raise TermError(refusal("physics", f"one of {names}", f"{name} {form}".strip(), "Name one."))

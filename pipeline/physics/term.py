@@ -87,6 +87,12 @@ class Term:
         """Parameter sets to begin a search from, shape (k, p); non-smooth terms give a grid."""
         return np.array([[p.start for p in self.parameters(around)]])
 
+    def scaled(self, values: np.ndarray, factor: float) -> np.ndarray:
+        """Parameters of about `factor` times the effect; the first one is the size unless said."""
+        out = values.copy()
+        out[0] *= factor
+        return out
+
     def excited(self, motion: Motion, around: Surroundings) -> bool:
         """Whether this motion could show the term at all."""
         return around.drive_span > 0.0

@@ -1,0 +1,51 @@
+"""Camera tilt: the angle is seen in projection."""
+
+import numpy as np
+
+from pipeline.physics.motion import Motion
+from pipeline.physics.term import NO_STATE, Parameter, Surroundings, Term
+
+
+def projected(angle_rad: np.ndarray, foreshortening: float, direction_rad: float) -> np.ndarray:
+    """Angle in an image in which lengths across `direction_rad` are shortened by a factor."""
+    seen = np.arctan2(
+        foreshortening * np.sin(angle_rad - direction_rad), np.cos(angle_rad - direction_rad)
+    )
+    home = np.arctan2(-foreshortening * np.sin(direction_rad), np.cos(direction_rad))
+    return np.angle(np.exp(1j * (seen - home)))
+
+
+class CameraTilt(Term):
+    """tan(seen - d) = cos(tilt) tan(theta - d): seen by a camera that is tilted about direction d.
+
+    Measured from the base line, which is seen in the same projection. Source: orthographic
+    projection of a rotated plane.
+    """
+
+    name = "camera_tilt"
+    site = "sensor"
+    says = "The camera looks at the plane of motion from {tilt} off, so that angles are foreshortened."
+
+    def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
+        return (
+            Parameter("tilt", "rad", 0.0, 1.1, 0.2, 0.2),
+            Parameter("direction", "rad", -np.pi, np.pi, 0.0, 0.0),
+        )
+
+    def respond(
+        self, signal: np.ndarray, motion: Motion, values: np.ndarray, state: np.ndarray | None
+    ) -> tuple[np.ndarray, np.ndarray]:
+        seen = projected(signal / motion.radian, float(np.cos(values[0])), float(values[1]))
+        return seen * motion.radian, NO_STATE
+
+    def scaled(self, values: np.ndarray, factor: float) -> np.ndarray:
+        out = super().scaled(values, np.sqrt(abs(factor)))
+        if factor < 0.0:
+            out[1] += 0.5 * np.pi if out[1] < 0.0 else -0.5 * np.pi
+        return out
+
+    def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
+        return np.array([[0.2, d] for d in np.arange(-4, 4) * np.pi / 8.0])
+
+    def excited(self, motion: Motion, around: Surroundings) -> bool:
+        return around.angle_unit in ("deg", "rad") and around.drive_span > 0.0

@@ -1,0 +1,52 @@
+"""Contact: stiffer beyond an angle on one side."""
+
+import numpy as np
+
+from pipeline.physics.balance import Load
+from pipeline.physics.motion import Motion
+from pipeline.physics.term import Parameter, Surroundings, Term
+
+STIFFEST = 4.0
+
+
+class Contact(Term):
+    """stiffness * ramp(side * (theta - angle)) in the balance, rounded over +-rounding.
+
+    Forms "upper" and "lower" are its sides. Source: unilateral spring.
+    """
+
+    name = "contact"
+    site = "body"
+    in_balance = True
+    says = "Beyond {angle} on one side it touches something and gets stiffer."
+
+    def __init__(self, form: str = "upper") -> None:
+        self.form = form
+
+    @property
+    def side(self) -> float:
+        return 1.0 if self.form == "upper" else -1.0
+
+    def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
+        span, unit = around.angle_span, around.angle_unit
+        middle = around.angle_low + 0.5 * span
+        ends = sorted((middle - 0.2 * self.side * span, middle + 0.6 * self.side * span))
+        start = middle + 0.3 * self.side * span
+        return (
+            Parameter("stiffness", "", 0.0, STIFFEST, 0.5, 0.5),
+            Parameter("angle", unit, ends[0], ends[1], start, 0.0),
+            Parameter("rounding", unit, 1e-3 * span, 0.15 * span, 0.01 * span, 0.02 * span),
+        )
+
+    def load(self, values: np.ndarray) -> Load:
+        return Load(contact=np.array([[self.side, values[1], values[0], values[2]]]))
+
+    def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
+        middle, span = around.angle_low + 0.5 * around.angle_span, around.angle_span
+        return np.array(
+            [
+                [stiffness, middle + self.side * share * span, 0.01 * span]
+                for stiffness in (0.1, 1.0)
+                for share in (-0.1, 0.0, 0.08, 0.16, 0.24, 0.32, 0.38, 0.43)
+            ]
+        )

@@ -1,0 +1,76 @@
+"""Drift: the zero wanders with time or from cycle to cycle."""
+
+import numpy as np
+
+from pipeline.physics.motion import Motion
+from pipeline.physics.term import Parameter, Surroundings, Term
+
+HOUR_S = 3600.0
+
+
+class Drift(Term):
+    """seen = theta + d(t), t from the first sample.
+
+    Forms: "linear" d = rate t; "cycle" d = rate n, n the number of the cycle; "exponential"
+    d = amplitude (1 - exp(-t / tau)); "wave" d = amplitude (sin(2 pi t / period + phase) - sin phase).
+    Source: thermal drift of first order; definition.
+    """
+
+    name = "drift"
+    site = "sensor"
+    says = "The zero wanders while it runs."
+
+    def __init__(self, form: str = "linear") -> None:
+        self.form = form
+
+    def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
+        span, unit = around.angle_span, around.angle_unit
+        duration = max(around.end_s - around.start_s, 1e-9)
+        if self.form == "linear":
+            most = span / duration * HOUR_S
+            return (Parameter("rate", f"{unit}/h", -most, most, 0.1 * most, 0.03 * most),)
+        if self.form == "cycle":
+            most = span / max(around.cycles, 1)
+            return (Parameter("rate", f"{unit}/cycle", -most, most, 0.1 * most, 0.03 * most),)
+        amplitude = Parameter("amplitude", unit, -span, span, 0.05 * span, 0.03 * span)
+        if self.form == "exponential":
+            tau = Parameter("time_constant", "s", 0.02 * duration, 2 * duration, duration / 4, 0.0)
+            return (amplitude, tau)
+        return (
+            amplitude,
+            Parameter("period", "s", 0.15 * duration, 3.0 * duration, duration, 0.0),
+            Parameter("phase", "rad", -2 * np.pi, 2 * np.pi, 0.0, 0.0),
+        )
+
+    def respond(
+        self, signal: np.ndarray, motion: Motion, values: np.ndarray, state: np.ndarray | None
+    ) -> tuple[np.ndarray, np.ndarray]:
+        first = np.array([motion.time_s[0], motion.cycle[0]]) if state is None else state
+        t = motion.time_s - first[0]
+        if self.form == "linear":
+            drift = values[0] / HOUR_S * t
+        elif self.form == "cycle":
+            drift = values[0] * (motion.cycle - first[1])
+        elif self.form == "exponential":
+            drift = -values[0] * np.expm1(-t / values[1])
+        else:
+            drift = values[0] * (np.sin(2 * np.pi * t / values[1] + values[2]) - np.sin(values[2]))
+        return signal + drift, first
+
+    def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
+        duration = max(around.end_s - around.start_s, 1e-9)
+        size = 0.01 * around.angle_span
+        if self.form == "exponential":
+            return np.array([[size, s * duration] for s in (0.03, 0.1, 0.3, 1.0)])
+        if self.form == "wave":
+            return np.array(
+                [
+                    [size, duration / k, phase]
+                    for k in np.arange(0.5, 5.0, 0.5)
+                    for phase in np.arange(4) * np.pi / 4
+                ]
+            )
+        return np.array([[self.parameters(around)[0].start]])
+
+    def excited(self, motion: Motion, around: Surroundings) -> bool:
+        return around.end_s > around.start_s and len(motion) > 20

@@ -1,0 +1,48 @@
+"""End stop: no motion beyond an angle."""
+
+import numpy as np
+
+from pipeline.physics.balance import Load
+from pipeline.physics.motion import Motion
+from pipeline.physics.term import Parameter, Surroundings, Term
+
+HARD = 60.0
+
+
+class EndStop(Term):
+    """As a contact, but nearly rigid: the wire gives way instead, softly over +-softness.
+
+    Forms "upper" and "lower" are its sides. Source: unilateral constraint, penalty form.
+    """
+
+    name = "end_stop"
+    site = "body"
+    in_balance = True
+    says = "It can't move beyond {angle}: it hits a stop."
+
+    def __init__(self, form: str = "upper") -> None:
+        self.form = form
+
+    @property
+    def side(self) -> float:
+        return 1.0 if self.form == "upper" else -1.0
+
+    def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
+        span, unit = around.angle_span, around.angle_unit
+        middle = around.angle_low + 0.5 * span
+        ends = sorted((middle, middle + 0.6 * self.side * span))
+        return (
+            Parameter("angle", unit, ends[0], ends[1], middle + 0.4 * self.side * span, 0.0),
+            Parameter("softness", unit, 1e-3 * span, 0.1 * span, 0.005 * span, 0.02 * span),
+        )
+
+    def load(self, values: np.ndarray) -> Load:
+        return Load(contact=np.array([[self.side, values[0], HARD, values[1]]]))
+
+    def scaled(self, values: np.ndarray, factor: float) -> np.ndarray:
+        return values.copy()
+
+    def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
+        middle, span = around.angle_low + 0.5 * around.angle_span, around.angle_span
+        shares = (0.15, 0.25, 0.32, 0.38, 0.42, 0.45, 0.47, 0.485)
+        return np.array([[middle + self.side * s * span, 0.005 * span] for s in shares])

@@ -1,0 +1,62 @@
+"""Ripple: a periodic error over the shaft angle (eccentric pulley, gear teeth)."""
+
+import numpy as np
+
+from pipeline.physics.motion import Motion
+from pipeline.physics.term import NO_STATE, Parameter, Surroundings, Term
+
+
+class TransmissionRipple(Term):
+    """x = u + a sin(2 pi u / period + phase), in the form "second" with its second harmonic too.
+
+    Source: kinematic transmission error, e.g. Tuttle and Seering, IEEE Trans. Robotics and
+    Automation 12(3) (1996) 368.
+    """
+
+    name = "transmission_ripple"
+    site = "actuator"
+    before_curve = True
+    says = "The drive runs ahead and behind by {amplitude}, again and again every {period} of shaft."
+
+    def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
+        span, unit = around.drive_span, around.drive_unit
+        own = (
+            Parameter("amplitude", unit, 0.0, 0.3 * span, 0.02 * span, 0.01 * span),
+            Parameter("period", unit, 2.0 * around.step, 4.0 * span, 0.3 * span, 0.0),
+            Parameter("phase", "rad", -4.0 * np.pi, 4.0 * np.pi, 0.0, 0.0),
+        )
+        if self.form != "second":
+            return own
+        return (
+            *own,
+            Parameter("amplitude_2", unit, 0.0, 0.3 * span, 0.005 * span, 0.01 * span),
+            Parameter("phase_2", "rad", -4.0 * np.pi, 4.0 * np.pi, 0.0, 0.0),
+        )
+
+    def respond(
+        self, signal: np.ndarray, motion: Motion, values: np.ndarray, state: np.ndarray | None
+    ) -> tuple[np.ndarray, np.ndarray]:
+        angle = 2.0 * np.pi / values[1] * signal
+        out = signal + values[0] * np.sin(angle + values[2])
+        if len(values) > 3:
+            out += values[3] * np.sin(2.0 * angle + values[4])
+        return out, NO_STATE
+
+    def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
+        span, amplitude = around.drive_span, 0.002 * around.drive_span
+        highest = min(0.25 / max(around.step, 1e-9), 30.0 / span)
+        waves = np.arange(0.75 / span, highest, 0.5 / span)
+        phases = np.arange(4) * np.pi / 4.0
+        rows = [[amplitude, 1.0 / f, p] for f in waves for p in phases]
+        if self.form == "second":
+            rows = [[*r, 0.3 * amplitude, 0.0] for r in rows]
+        return np.array(rows).reshape(len(rows), -1)
+
+    def scaled(self, values: np.ndarray, factor: float) -> np.ndarray:
+        out = super().scaled(values, abs(factor))
+        if factor < 0.0:
+            out[2] += np.pi
+        return out
+
+    def excited(self, motion: Motion, around: Surroundings) -> bool:
+        return around.drive_span > 8.0 * around.step > 0.0
