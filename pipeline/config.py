@@ -78,7 +78,7 @@ class CameraConfig:
 class AxisTwin:
     """A simulated axis: bend = gain shaft - cubic shaft^3, play [deg of shaft] and pose noise.
 
-    `terms` are further physics: the catalogue's name, then parameters by their names.
+    `terms` are further physics: a name of the catalogue (or name/form) and its parameters by name.
     """
 
     gain: float = 0.80

@@ -1,7 +1,9 @@
 """The simulated snake: two joints, each a mechanism of physics terms, moved by motor shafts."""
 
+import math
 import threading
 from collections.abc import Mapping
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -16,18 +18,34 @@ from pipeline.physics.term import Surroundings, values_of
 AXES = ("yaw", "pitch")
 
 
-def mechanism_of(config: AxisTwin) -> Mechanism:
-    """Nominal curve, play and the further terms of one axis (angles and shaft in deg).
+@dataclass(frozen=True)
+class AxisPhysics:
+    """What moves a joint, and what its camera makes of the pose."""
+
+    body: Mechanism
+    sensor: Mechanism
+
+
+def physics_of(axis: str, config: AxisTwin) -> AxisPhysics:
+    """Nominal curve, play and the further terms of one axis (angles and shafts in deg).
 
     Raises TermError for a term or parameter that physics does not have.
     """
+    others = [f"{other}_command_deg" for other in AXES if other != axis]
+    around = Surroundings(other_span=dict.fromkeys(others, Surroundings().drive_span))
     named = {"backlash": {"width": 2.0 * config.play_half_width_deg}} | dict(config.terms)
-    around = Surroundings()
-    pieces = [
-        Piece(physics, values_of(physics, around, parameters))
-        for physics, parameters in ((term(name), given) for name, given in named.items())
-    ]
-    return Mechanism(CubicCurve(config.gain, config.cubic), pieces)
+    pieces = []
+    for key, given in named.items():
+        name, _, form = key.partition("/")
+        physics = term(name, form, others)
+        pieces.append(Piece(physics, values_of(physics, around, given)))
+    return AxisPhysics(
+        Mechanism(
+            CubicCurve(config.gain, config.cubic),
+            [piece for piece in pieces if piece.term.site != "sensor"],
+        ),
+        Mechanism(pieces=[piece for piece in pieces if piece.term.site == "sensor"]),
+    )
 
 
 class Snake:
@@ -40,7 +58,8 @@ class Snake:
 
     def __init__(self, config: TwinConfig, seed: int) -> None:
         rng = np.random.default_rng(seed)
-        self._joints = {axis: _Joint(getattr(config, axis), rng) for axis in AXES}
+        self._joints = {axis: _Joint(axis, getattr(config, axis), rng) for axis in AXES}
+        self._time_s = math.nan
         self._shaft_deg: dict[str, float] = {}
         self._lock = threading.Lock()
         self.move(0.0, dict.fromkeys(AXES, 0.0))
@@ -50,32 +69,41 @@ class Snake:
         with self._lock:
             standing = {axis: float(shaft_deg[axis]) for axis in AXES}
             moved = standing != self._shaft_deg
-            self._shaft_deg = standing
+            if not moved and time_s == self._time_s:
+                return
+            self._time_s, self._shaft_deg = time_s, standing
             for axis, joint in self._joints.items():
                 others = {f"{a}_command_deg": v for a, v in standing.items() if a != axis}
-                joint.follow(time_s, standing[axis], others)
-                if moved:
-                    joint.settle()
+                joint.follow(time_s, standing[axis], others, settle=moved)
 
     def pose_deg(self) -> dict[str, float]:
         """The true bending angle of each axis, noise included."""
         with self._lock:
             return {axis: joint.pose_deg for axis, joint in self._joints.items()}
 
+    def seen_deg(self) -> dict[str, float]:
+        """The bending angle that the picture of each axis shows: its pose, but for sensor terms."""
+        with self._lock:
+            return {axis: joint.seen_deg for axis, joint in self._joints.items()}
+
 
 class _Joint:
-    def __init__(self, config: AxisTwin, rng: np.random.Generator) -> None:
-        self._mechanism = mechanism_of(config)
+    def __init__(self, axis: str, config: AxisTwin, rng: np.random.Generator) -> None:
+        self._physics = physics_of(axis, config)
         self._noise_deg = config.noise_deg
         self._rng = rng
-        self._state: State | None = None
+        self._body: State | None = None
+        self._sensor: State | None = None
         self._shaft_deg = 0.0
         self._cycle = 0
-        self._angle_deg = 0.0
         self._beside_deg = 0.0
+        self.pose_deg = 0.0
+        self.seen_deg = 0.0
 
-    def follow(self, time_s: float, shaft_deg: float, others: Mapping[str, float]) -> None:
-        """Take the mechanism to the shaft's angle; a cycle ends where it rises through home."""
+    def follow(
+        self, time_s: float, shaft_deg: float, others: Mapping[str, float], settle: bool
+    ) -> None:
+        """Go where the shaft is; a cycle ends where it rises through home."""
         self._cycle += self._shaft_deg < 0.0 <= shaft_deg
         self._shaft_deg = shaft_deg
         motion = Motion(
@@ -84,13 +112,11 @@ class _Joint:
             cycle=np.array([self._cycle]),
             others={name: np.array([value]) for name, value in others.items()},
         )
-        angle_deg, self._state = self._mechanism.respond(motion, self._state)
-        self._angle_deg = float(angle_deg[0])
-
-    def settle(self) -> None:
-        """Draw how far beside its place the joint comes to rest."""
-        self._beside_deg = float(pose_noise(self._noise_deg, 1, self._rng)[0])
-
-    @property
-    def pose_deg(self) -> float:
-        return self._angle_deg + self._beside_deg
+        angle_deg, self._body = self._physics.body.respond(motion, self._body)
+        if settle:
+            self._beside_deg = float(pose_noise(self._noise_deg, 1, self._rng)[0])
+        pose_deg = angle_deg + self._beside_deg
+        seen_deg, self._sensor = self._physics.sensor.respond(
+            replace(motion, drive=pose_deg), self._sensor
+        )
+        self.pose_deg, self.seen_deg = float(pose_deg[0]), float(seen_deg[0])

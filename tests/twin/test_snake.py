@@ -4,7 +4,7 @@ import pytest
 from pipeline.config import AxisTwin, TwinConfig
 from pipeline.physics.motion import Motion
 from pipeline.physics.term import TermError
-from pipeline.twin.snake import Snake, mechanism_of
+from pipeline.twin.snake import Snake, physics_of
 
 PLAIN = AxisTwin(gain=0.8, cubic=1e-5, play_half_width_deg=2.0)
 
@@ -32,7 +32,7 @@ def test_step_by_step_is_as_all_at_once():
     shafts = there_and_back(60.0, -60.0)
     stepwise = poses(Snake(TwinConfig(pitch=PLAIN), seed=0), "pitch", shafts)
     motion = Motion(shafts, 3.0 * np.arange(1, len(shafts) + 1), np.zeros(len(shafts), int))
-    np.testing.assert_allclose(stepwise, mechanism_of(PLAIN).respond(motion)[0])
+    np.testing.assert_allclose(stepwise, physics_of("pitch", PLAIN).body.respond(motion)[0])
 
 
 def test_noise_is_the_robots_own():
@@ -63,6 +63,35 @@ def test_further_terms_are_added_by_name():
     plain = poses(Snake(TwinConfig(), 0), "yaw", there_and_back(40.0, -40.0))
     rubbing = poses(Snake(TwinConfig(yaw=config), 0), "yaw", there_and_back(40.0, -40.0))
     assert np.abs(rubbing - plain).max() > 0.1
+
+
+def test_the_other_axis_can_move_this_one():
+    config = AxisTwin(terms={"coupling/pitch_command_deg": {"gain": 0.1}})
+    snake = Snake(TwinConfig(yaw=config), 0)
+    snake.move(1.0, {"yaw": 0.0, "pitch": 20.0})
+    assert snake.pose_deg()["yaw"] == pytest.approx(2.0)
+
+
+def test_what_the_camera_gets_wrong_is_seen_but_not_true():
+    config = AxisTwin(terms={"drift/linear": {"rate": 10.0}})
+    snake = Snake(TwinConfig(yaw=config), 0)
+    snake.move(1800.0, {"yaw": 10.0, "pitch": 0.0})
+    assert snake.pose_deg()["yaw"] == pytest.approx(8.0 - 0.01)
+    assert snake.seen_deg()["yaw"] == pytest.approx(13.0 - 0.01)
+    assert snake.seen_deg()["pitch"] == snake.pose_deg()["pitch"]
+
+
+def test_two_looks_at_one_moment_are_one():
+    terms = {"marker_outliers": {"share": 0.2, "size": 9.0}}  # draws by counting what it is shown
+    once, twice = (Snake(TwinConfig(yaw=AxisTwin(terms=terms)), 0) for _ in range(2))
+    seen = {1: [], 2: []}
+    for step, shaft in enumerate(there_and_back(40.0, -40.0), start=1):
+        for snake, looks in ((once, 1), (twice, 2)):
+            for _ in range(looks):
+                snake.move(3.0 * step, {"yaw": shaft, "pitch": 0.0})
+            seen[looks].append(snake.seen_deg()["yaw"])
+    assert seen[1] == seen[2]
+    assert np.abs(np.diff(seen[1])).max() > 5.0
 
 
 def test_unknown_terms_are_refused():
