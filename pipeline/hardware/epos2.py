@@ -23,7 +23,7 @@ class Epos2:
         self._line = line
         self._clock = clock
         self._qc_per_deg = qc_per_deg(config)
-        self._limits_deg = {axis: config.limit_deg[axis] for axis in config.nodes}
+        self._limits_deg = {axis: _limit_deg(config, axis) for axis in config.nodes}
         self._motors = {
             axis: Motor(axis, node, line, config, clock) for axis, node in config.nodes.items()
         }
@@ -105,3 +105,12 @@ class Epos2:
 def qc_per_deg(config: RobotConfig) -> float:
     """Encoder counts for a degree of output shaft: four for each pulse, through the gear."""
     return 4 * config.encoder_pulses * config.gear_ratio / 360.0
+
+
+def _limit_deg(config: RobotConfig, axis: str) -> float:
+    if axis not in config.limit_deg:
+        raise UsageError(
+            refusal("robot.limit_deg", f"a limit for axis {axis!r}", f"{dict(config.limit_deg)}",
+                    f"Say `robot.limit_deg.{axis}=90`, or what the mechanism bears.")
+        )  # fmt: skip
+    return config.limit_deg[axis]
