@@ -6,6 +6,7 @@ import cv2
 import numpy as np
 
 STRIPS = 48
+SMALLEST_REGION_PX = 16
 SMOOTHING_OF_HEIGHT = 0.003
 WIDTH_TOLERANCE = 0.1
 WEAK_EDGE = 0.3
@@ -33,6 +34,8 @@ def find_base_line(image: np.ndarray, region: list[float]) -> Line | str:
     height, width = image.shape[:2]
     left, right = round(region[0] * width), round(region[2] * width)
     top, bottom = round(region[1] * height), round(region[3] * height)
+    if right - left < SMALLEST_REGION_PX or bottom - top < SMALLEST_REGION_PX:
+        return f"base shaft not found: base_region is {right - left} x {bottom - top} px"
     grey = cv2.cvtColor(image[top:bottom, left:right], cv2.COLOR_BGR2GRAY)
     strips = cv2.resize(grey, (STRIPS, bottom - top), interpolation=cv2.INTER_AREA)
     sigma_px = SMOOTHING_OF_HEIGHT * height

@@ -122,6 +122,11 @@ def test_something_lying_on_the_base_shaft_does_not_turn_the_base_line():
     assert error_deg(frame, 15.0) <= 0.15
 
 
+def test_an_image_too_small_to_see_anything():
+    seen = measure_frame(np.zeros((3, 4, 3), np.uint8), CONFIG)
+    assert seen.reason == "no green marker; base shaft not found: base_region is 1 x 1 px"
+
+
 def test_full_size_images():
     camera = CameraConfig(kind="twin", width_px=4032, height_px=3024)
     assert error_deg(view(-27.0, camera), -27.0) <= 0.05
