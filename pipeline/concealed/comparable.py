@@ -1,0 +1,50 @@
+"""Quantities of a hidden effect that a diagnosis can be held to, whatever its own formulas."""
+
+from pipeline.concealed.draw import Case, Hidden
+from pipeline.concealed.plant import WIRE_STIFFNESS
+from pipeline.concealed.wires import BENDING_STIFFNESS
+
+Quantity = dict[str, str | float]
+
+
+def comparable(case: Case, hidden: Hidden) -> list[Quantity]:
+    """Names (as diagnosis parameters have them), values and units; empty where none compares."""
+    settings, size = hidden.effect.settings, hidden.size
+    number = {k: float(v) for k, v in settings.items() if not isinstance(v, str)}
+    gain = 1.0 + case.gain_error
+    match hidden.effect.name:
+        case "backlash":
+            return [_quantity("width", size, "deg")]
+        case "lost_steps":
+            when = float(case.motion.time_s[int(number["slip_sample"])])
+            return [_quantity("jump", number["slip_deg"] * size, "deg"),
+                    _quantity("time", when, "s")]  # fmt: skip
+        case "transmission_ripple":
+            return [_quantity("period", number["mesh_period_deg"], "deg"),
+                    _quantity("amplitude", size, "deg")]  # fmt: skip
+        case "slack" if number["straightening_deg"] == 0.0:
+            return [_quantity("width", 2.0 * size, "deg")]
+        case "creep" if "second_dashpot_s" not in number:
+            return [_quantity("time_constant", number["dashpot_s"] * _free_to_held(size), "s")]
+        case "coupling" if number["other_lever_even"] == 0.0:
+            return [_quantity("gain", case.nominal.gain * gain * size, "deg/deg")]
+        case "frame_lag":
+            return [_quantity("lag", size, "s")]
+        case "drift" if settings["wander_kind"] == "linear":
+            return [_quantity("total", number["wander_deg"] * size * gain, "deg")]
+        case "contact":
+            return [_quantity("angle", number["pad_side"] * number["pad_deg"], "deg")]
+    return []
+
+
+def _quantity(name: str, value: float, unit: str) -> Quantity:
+    return {"name": name, "value": float(value), "unit": unit}
+
+
+def _free_to_held(share: float) -> float:
+    """How much slower the joint creeps than its dashpot relaxes when held still.
+
+    With the joint on springs of stiffness k and a branch of stiffness b: (k + b) / k.
+    """
+    springs = 2 * WIRE_STIFFNESS + BENDING_STIFFNESS
+    return 1.0 + share * 2 * WIRE_STIFFNESS / springs
