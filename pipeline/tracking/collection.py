@@ -18,6 +18,7 @@ from pipeline.tracking.tables import METRIC_COLUMNS, markdown
 
 JOB_FILE = "job.json"
 INCOMPLETE_COLUMNS = ["job", "status", "error"]
+HEADLINES = {"model_rmse": "model", "landing_rmse_camera": "landing"}
 METRICS_FILE = Path("evaluation") / "metrics.csv"
 
 
@@ -27,6 +28,16 @@ class Collection:
 
     results: pd.DataFrame
     incomplete: pd.DataFrame
+
+    def results_wide(self) -> pd.DataFrame:
+        """The root-mean-square errors alone, a row for each job and axis, a column for each."""
+        chosen = self.results[self.results["metric"].isin(HEADLINES)]
+        keys = [c for c in self.results.columns if c not in METRIC_COLUMNS] + ["axis"]
+        rows: dict[tuple[object, ...], dict[str, object]] = {}
+        for record in chosen.to_dict("records"):
+            row = rows.setdefault(tuple(record[k] for k in keys), {k: record[k] for k in keys})
+            row[f"{record['method']} {HEADLINES[record['metric']]} [deg]"] = record["value"]
+        return pd.DataFrame(list(rows.values()), columns=None if rows else keys)
 
 
 def collect(sweep: Path) -> Collection:
@@ -110,5 +121,6 @@ def _report(collection: Collection, jobs: int) -> str:
     parts = [f"# {done} of {jobs} jobs\n"]
     if len(collection.incomplete):
         parts.append(f"## Incomplete\n\n{markdown(collection.incomplete)}")
-    parts.append(f"## Results\n\n{markdown(collection.results)}")
+    parts.append(f"## Root-mean-square errors\n\n{markdown(collection.results_wide())}")
+    parts.append(f"## All results\n\n{markdown(collection.results)}")
     return "\n".join(parts)

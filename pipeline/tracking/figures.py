@@ -166,7 +166,7 @@ def loops_figure(predictions: Mapping[str, pd.DataFrame]) -> Figure:
 def loop_picture(axis: str, predictions: pd.DataFrame) -> bytes:
     """One axis of `loops_figure` alone as an encoded PNG, for the review."""
     figure = loops_figure({axis: predictions})
-    figure.set_size_inches(4.4, 5.8)
+    figure.set_size_inches(4.4, 5.2)
     figure.suptitle("")
     return figure_bytes(figure)
 

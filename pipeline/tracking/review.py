@@ -41,13 +41,13 @@ COLOURS = {
     "marker_line": "#40C4FF",
 }
 SERIES = {
-    "command": ("command", "command"),
-    "encoder": ("encoder", "encoder"),
-    "measured": ("measured", "measured"),
-    "nominal": ("nominal model", "nominal"),
-    "compensated": ("compensated model", "compensated"),
-    "nominal_error": ("measured − nominal", "nominal"),
-    "compensated_error": ("measured − compensated", "compensated"),
+    "command": ("command", "command", 3.0),
+    "encoder": ("encoder", "encoder", 1.0),
+    "measured": ("measured", "measured", 1.2),
+    "nominal": ("nominal model", "nominal", 1.5),
+    "compensated": ("compensated model", "compensated", 1.5),
+    "nominal_error": ("nominal model", "nominal", 1.5),
+    "compensated_error": ("compensated model", "compensated", 1.5),
 }
 SHAFT = ("command", "encoder")
 ANGLES = ("measured", "nominal", "compensated")
@@ -61,9 +61,9 @@ Signals = dict[str, tuple[np.ndarray, np.ndarray]]
 class AxisReview:
     """What is shown of one axis.
 
-    recording: with `<axis>_command_deg`, `_encoder_deg`, `_angle_deg`; markers: a row for each of
-    its samples (green_x_px, green_y_px, red_x_px, red_y_px, base_x_px, base_y_px,
-    base_direction_deg, outlier, reason); read_frame: the encoded frame of a row, None where lost;
+    recording: with `<axis>_command_deg`, `_angle_deg`, perhaps `_encoder_deg`; markers: a row for
+    each of its samples as `stages.vision` leaves it, or no row at all where no frame was looked
+    at; read_frame: the encoded frame of a row, None where lost;
     predictions: `stages.evaluation.predict_cycles` of all cycles; loop_png: a picture of the loop.
     """
 
@@ -118,7 +118,7 @@ def blueprint(signals: Mapping[str, Signals], pictures: Sequence[str]) -> rrb.Bl
     figures = [_picture_view(f"figures/{name}", name.capitalize()) for name in pictures]
     summary = rrb.TextDocumentView(origin="summary", name="Summary")
     notes = rrb.TextLogView(origin="/", contents="/**/notes", name="Notes")
-    shaft = rrb.Vertical(*shafts, name="Commands")
+    shaft = rrb.Vertical(*shafts, name="Motor shafts")
     return rrb.Blueprint(
         rrb.Tabs(overview, shaft, loops, *figures, summary, notes, active_tab=0),
         rrb.BlueprintPanel(state="collapsed"),
@@ -137,13 +137,14 @@ def _axis_row(axis: str, signals: Signals) -> rrb.Horizontal:
             _series_view(axis, ERRORS, "measured − predicted [deg]", signals),
         ),
         _picture_view(f"{axis}/loop_picture", f"{axis}: loop"),
-        column_shares=[1.1, 1.6, 0.8],
+        column_shares=[1.1, 1.6, 0.9],
     )
 
 
 def _series_view(
     axis: str, series: Sequence[str], title: str, signals: Signals
 ) -> rrb.TimeSeriesView:
+    series = [name for name in series if name in signals]
     time_s = np.concatenate([signals[name][0] for name in series])
     values = np.concatenate([signals[name][1] for name in series])
     longest_s = float(time_s.max()) if len(time_s) else 0.0
@@ -180,13 +181,14 @@ def _signals(axis: str, review: AxisReview) -> Signals:
     columns = {name: predictions[f"{name}_deg"].to_numpy(float) for name in ANGLES}
     series = {
         "command": (time_s, recording.values(f"{axis}_command_deg")),
-        "encoder": (time_s, recording.values(f"{axis}_encoder_deg")),
         "measured": (time_s, recording.values(f"{axis}_angle_deg")),
         "nominal": (predicted_s, columns["nominal"]),
         "compensated": (predicted_s, columns["compensated"]),
         "nominal_error": (predicted_s, columns["measured"] - columns["nominal"]),
         "compensated_error": (predicted_s, columns["measured"] - columns["compensated"]),
     }
+    if f"{axis}_encoder_deg" in recording.samples:
+        series["encoder"] = (time_s, recording.values(f"{axis}_encoder_deg"))
     return {
         name: (when_s[np.isfinite(values)], values[np.isfinite(values)])
         for name, (when_s, values) in series.items()
@@ -199,7 +201,8 @@ def _log_axis(stream: rr.RecordingStream, axis: str, review: AxisReview, signals
     _log_frames(stream, axis, review, time_s)
     _log_signals(stream, axis, signals)
     _log_loop(stream, axis, review, time_s)
-    _log_notes(stream, axis, review.markers, time_s)
+    if len(review.markers):
+        _log_notes(stream, axis, review.markers, time_s)
     image = rr.EncodedImage(contents=review.loop_png, media_type="image/png")
     stream.log(f"{axis}/loop_picture", image, static=True)
 
@@ -225,7 +228,8 @@ def _log_frames(
                     blob=[jpeg for _, jpeg, _ in seen], media_type=["image/jpeg"] * len(seen)
                 ),
             )
-    _log_markers(stream, axis, review.markers.iloc[rows], time_s[rows], shrink)
+    if len(review.markers):
+        _log_markers(stream, axis, review.markers.iloc[rows], time_s[rows], shrink)
 
 
 def _small_jpeg(frame: bytes | None) -> tuple[bytes, int] | None:
@@ -279,13 +283,13 @@ def _log_markers(
 def _log_signals(stream: rr.RecordingStream, axis: str, signals: Signals) -> None:
     for name, (time_s, values) in signals.items():
         entity = f"{axis}/signals/{name}"
-        label, colour = SERIES[name]
+        label, colour, width = SERIES[name]
         look = (
             rr.SeriesPoints(
-                colors=[_rgb(colour)], names=[label], markers=["circle"], marker_sizes=[1.5]
+                colors=[_rgb(colour)], names=[label], markers=["circle"], marker_sizes=[width]
             )
             if name in AS_POINTS
-            else rr.SeriesLines(colors=[_rgb(colour)], names=[label], widths=[1.5])
+            else rr.SeriesLines(colors=[_rgb(colour)], names=[label], widths=[width])
         )
         stream.log(entity, look, static=True)
         stream.send_columns(entity, [_times(time_s)], rr.Scalars.columns(scalars=values))
@@ -308,9 +312,9 @@ def _log_loop(
         curve = branch.drop_duplicates("command_deg").sort_values("command_deg")
         curve_points = np.stack([curve["command_deg"], -curve[f"{method}_deg"]], axis=1)
         lines[name] = curve_points
-    for name, line in lines.items():
-        width = _points(0.6 if name == "measured" else 1.4)
-        strip = rr.LineStrips2D([line], colors=[_rgb(name)], radii=[width])
+    for order, (name, line) in enumerate(lines.items()):
+        width = _points(0.4 if name == "measured" else 1.0)
+        strip = rr.LineStrips2D([line], colors=[_rgb(name)], radii=[width], draw_order=order)
         stream.log(f"{axis}/loop/{name}", strip, static=True)
     look = rr.Points2D.from_fields(colors=[_rgb("now")], radii=[_points(5.0)])
     stream.log(f"{axis}/loop/now", look, static=True)
