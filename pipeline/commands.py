@@ -84,7 +84,7 @@ def _numbers(path: Path, table: pd.DataFrame, name: str) -> np.ndarray:
     if not good.all():
         row = int(np.flatnonzero(~good)[0])
         value = table[name].iloc[row]
-        found = "nothing" if pd.isna(value) else repr(value)
+        found = "nothing" if pd.isna(value) else f"'{value}'"
         expected = "a whole number from 0" if whole else "a number"
         raise UsageError(
             refusal(f"{path}, row {row + 2}, column {name!r}", expected, found, "Correct it.")

@@ -1,6 +1,5 @@
 """EPOS2 controllers behind a pseudo-terminal: the bytes of the real ones, for any serial client."""
 
-import contextlib
 import os
 import random
 import select
@@ -57,6 +56,7 @@ class Epos2Emulator:
         self.port = os.ttyname(self._far_end)
         self._wake, self._alarm = os.pipe()
         self._pending = b""
+        self._closed = False
         self._thread = threading.Thread(target=self._serve, name="epos2-emulator", daemon=True)
         self._thread.start()
 
@@ -70,12 +70,13 @@ class Epos2Emulator:
 
     def close(self) -> None:
         """End the thread and cut the line."""
-        if self._thread.is_alive():
-            os.write(self._alarm, b"x")
-            self._thread.join()
+        if self._closed:
+            return
+        self._closed = True
+        os.write(self._alarm, b"x")
+        self._thread.join()
         for descriptor in (self._line, self._far_end, self._wake, self._alarm):
-            with contextlib.suppress(OSError):
-                os.close(descriptor)
+            os.close(descriptor)
 
     def __enter__(self) -> "Epos2Emulator":
         return self
@@ -103,13 +104,14 @@ class Epos2Emulator:
 
     def _converse(self) -> None:
         """One transaction, from its opcode to its last acknowledgement."""
-        opcode = self._receive(1, None)[0]
+        opcode = self._receive(1, timeout_s=None)[0]
         if opcode not in (frames.READ_OBJECT, frames.WRITE_OBJECT, frames.NMT):
             self.transmit(frames.FAILED)
             return
         self.transmit(frames.OKAY)
-        length = self._receive(1)
-        body = length + self._receive(frames.bytes_after_length(length[0]))
+        patience_s = self._frame_timeout_s
+        length = self._receive(1, patience_s)
+        body = length + self._receive(frames.bytes_after_length(length[0]), patience_s)
         try:
             data = frames.frame_data(opcode, body)
         except frames.FrameError:
@@ -121,9 +123,9 @@ class Epos2Emulator:
             return
         self.transmit(frames.OKAY + bytes([frames.ANSWER]))
         answer = self._answer(opcode, data)
-        if self._receive(1) == frames.OKAY:
+        if self._receive(1, patience_s) == frames.OKAY:
             self.transmit(frames.frame_body(frames.ANSWER, answer))
-            self._receive(1)
+            self._receive(1, patience_s)
 
     def _answer(self, opcode: int, data: bytes) -> bytes:
         index, subindex, number = struct.unpack("<HBB", data[:4])
@@ -136,9 +138,8 @@ class Epos2Emulator:
             written = node.write(index, subindex, dword) if node else WRONG_NODE
             return struct.pack("<I", written)
 
-    def _receive(self, count: int, timeout_s: float | None = -1.0) -> bytes:
-        """The next bytes; without `timeout_s` they have the frame timeout, None waits for ever."""
-        timeout_s = self._frame_timeout_s if timeout_s == -1.0 else timeout_s
+    def _receive(self, count: int, timeout_s: float | None) -> bytes:
+        """The next bytes; None waits for ever."""
         while len(self._pending) < count:
             ready, _, _ = select.select([self._line, self._wake], [], [], timeout_s)
             if self._wake in ready:

@@ -7,7 +7,7 @@ from pipeline.clock import Clock
 from pipeline.hardware.epos2_emulator import Epos2Emulator
 
 NODES = {"yaw": 1, "pitch": 2}
-FRAME_TIMEOUT_S = 0.05
+FRAME_TIMEOUT_S = 0.1
 
 
 class LossyEmulator(Epos2Emulator):

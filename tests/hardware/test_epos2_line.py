@@ -2,6 +2,8 @@
 
 import os
 import pty
+import signal
+import threading
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -107,12 +109,31 @@ def test_start_of_a_relative_move_is_never_sent_again(
 ) -> None:
     arrived = count_writes(emulator, 1)
     emulator.disturb = spoil_once(lambda data: b"")
-    with pytest.raises(LoopgapError, match=r"no answer within 0.05 s \(1 tries\)"):
+    with pytest.raises(LoopgapError, match=r"no answer within 0.1 s \(1 tries\)"):
         line.write(1, objects.CONTROLWORD, RELATIVE_NOW)
     assert arrived == [RELATIVE_NOW]
     emulator.disturb = spoil_once(lambda data: b"")
     line.write(1, objects.CONTROLWORD, objects.START_ABSOLUTE_NOW)
     assert arrived[1:] == [objects.START_ABSOLUTE_NOW] * 2
+
+
+def test_ctrl_c_within_a_transaction_does_not_spoil_the_next(
+    emulator: LossyEmulator, line: Epos2Line
+) -> None:
+    operator = threading.main_thread().ident
+    assert operator is not None
+
+    def interrupt(data: bytes) -> bytes:
+        signal.pthread_kill(operator, signal.SIGINT)
+        return data[:4]
+
+    emulator.disturb = spoil_once(interrupt)
+    with pytest.raises(KeyboardInterrupt):
+        line.read(1, objects.SOFTWARE_VERSION)
+    emulator.disturb = spoil_once(lambda data: data)
+    begun = time.monotonic()
+    assert line.read(1, objects.SOFTWARE_VERSION) == 0x2110
+    assert time.monotonic() - begun < 2.5 * FRAME_TIMEOUT_S, "no try of it failed"
 
 
 @pytest.mark.parametrize("baud", [9600, 57600, 1000000])
@@ -129,7 +150,7 @@ def test_wrong_baud(emulator: LossyEmulator, baud: int) -> None:
 def test_silent_line() -> None:
     far_end, near_end = pty.openpty()
     line = Epos2Line(os.ttyname(near_end), 115200, FRAME_TIMEOUT_S)
-    with pytest.raises(LoopgapError, match=r"no answer within 0.05 s \(3 tries\)\. Check that the"):
+    with pytest.raises(LoopgapError, match=r"no answer within 0.1 s \(3 tries\)\. Check that the"):
         line.read(1, objects.STATUSWORD)
     line.close()
     os.close(far_end)
