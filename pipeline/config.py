@@ -3,7 +3,7 @@
 from dataclasses import dataclass, field
 
 from hydra.core.config_store import ConfigStore
-from omegaconf import MISSING
+from omegaconf import MISSING, OmegaConf
 
 from pipeline.errors import UsageError, refusal
 
@@ -265,9 +265,11 @@ CHOICES: dict[str, tuple[str, ...]] = {
 
 def register_schemas(store: ConfigStore) -> None:
     """Make the schemas known to Hydra, under the names that `conf/` refers to."""
-    store.store(name="schema", node=Config)
-    for name, schema in STEP_RULES.items():
-        store.store(group="compensation/step_rule", name=f"schema_{name}", node=schema)
+    schema = OmegaConf.structured(Config)
+    schema.compensation.step_rule = MISSING  # else only the default's own subclasses fit
+    store.store(name="schema", node=schema)
+    for name, rule in STEP_RULES.items():
+        store.store(group="compensation/step_rule", name=f"schema_{name}", node=rule)
 
 
 def check_config(config: Config) -> None:
