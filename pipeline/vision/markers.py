@@ -14,6 +14,7 @@ MOST_CANDIDATES = 8
 MARGIN_MM = 0.8
 OPENING_MM = 0.4
 SMALLEST_AREA_RATIO = 0.5
+SMALLEST_FILL_RATIO = 0.85
 CLEAR_LEAD = 0.25
 
 
@@ -72,10 +73,28 @@ def find_pair(image: np.ndarray, config: VisionConfig) -> Pair | str:
     _, green, red = fitting[0]
     if len(fitting) > 1 and fitting[1][0] - fitting[0][0] < CLEAR_LEAD:
         return "two pairs of markers fit equally well"
+    return _hidden_part(green, red) or Pair(green, red)
+
+
+def _hidden_part(green: Blob, red: Blob) -> str:
+    """What shows that one of two markers of the same size and form is hidden in part, or nothing.
+
+    A strip may be missing on the side towards the other marker or away from it: this shifts the
+    centre along the line through both. A missing corner would turn the line.
+    """
     areas = sorted((len(green.pixels), len(red.pixels)))
     if areas[0] < SMALLEST_AREA_RATIO * areas[1]:
         return f"a marker is mostly hidden ({100 * areas[0] / areas[1]:.0f} % of the other)"
-    return Pair(green, red)
+    fills = sorted((_fill(green), _fill(red)))
+    if fills[0] < SMALLEST_FILL_RATIO * fills[1]:
+        return f"a corner of a marker is hidden (it fills {100 * fills[0]:.0f} % of its outline)"
+    return ""
+
+
+def _fill(blob: Blob) -> float:
+    """Share of the smallest rectangle around a blob that it fills."""
+    _, (width, height), _ = cv2.minAreaRect(blob.pixels.astype(np.float32))
+    return len(blob.pixels) / ((width + 1.0) * (height + 1.0))
 
 
 def colour_mask(hsv: np.ndarray, colour: str, config: VisionConfig) -> np.ndarray:

@@ -44,6 +44,15 @@ def hide(frame: np.ndarray, pose_deg: float, from_mm: float, to_mm: float) -> np
     return paint_block(frame, centre, size_mm, pose_deg + BASE_TILT_DEG, BACKGROUND)
 
 
+def hide_corner(frame: np.ndarray, pose_deg: float) -> np.ndarray:
+    """The frame with a quarter of the red marker covered, at its tip and lower side."""
+    angle = np.deg2rad(pose_deg + BASE_TILT_DEG)
+    px_per_mm = frame.shape[1] / FIELD_WIDTH_MM
+    lower = np.array([np.sin(angle), np.cos(angle)]) * ARM_DIAMETER_MM / 4 * px_per_mm
+    centre = arm_point_px(RED_MM + 0.9, pose_deg, frame.shape[1]) + lower
+    return paint_block(frame, centre, (1.9, 1.9), pose_deg + BASE_TILT_DEG, BACKGROUND)
+
+
 def decoy(frame: np.ndarray, centre_mm: tuple[float, float], bgr) -> np.ndarray:
     """The frame with a block larger than a marker, in a marker's colour."""
     centre = np.array(centre_mm) * frame.shape[1] / FIELD_WIDTH_MM

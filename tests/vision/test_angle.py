@@ -1,7 +1,7 @@
 import cv2
 import numpy as np
 import pytest
-from scene import CAMERA, GREEN_MM, RED_MM, decoy, glare, hide, through_jpeg, view
+from scene import CAMERA, GREEN_MM, RED_MM, decoy, glare, hide, hide_corner, through_jpeg, view
 
 from pipeline.config import CameraConfig, VisionConfig
 from pipeline.errors import LoopgapError
@@ -88,6 +88,13 @@ def test_a_missing_marker_gives_no_angle_but_the_reason(low_mm, high_mm, reason)
     assert np.isnan(seen.angle_deg)
     assert seen.markers is None
     assert any(words in seen.reason for words in reason.split("|"))
+
+
+@pytest.mark.parametrize("pose_deg", POSES)
+def test_a_hidden_corner_would_turn_the_line_and_gives_no_angle(pose_deg):
+    seen = measure_frame(hide_corner(view(pose_deg), pose_deg), CONFIG)
+    assert np.isnan(seen.angle_deg)
+    assert seen.reason.startswith("a corner of a marker is hidden")
 
 
 def test_a_decoy_alone_is_no_marker():
