@@ -23,11 +23,13 @@ from pipeline.errors import LoopgapError, UsageError
 from pipeline.recording import write_atomically
 from pipeline.run import run_stages
 from pipeline.tracking.collection import collect
+from pipeline.tracking.reuse import SHARED_STAGES, note_recording, same_recording
 
 PACKAGE = Path(__file__).resolve().parent
 CONF = PACKAGE / "conf" if (PACKAGE / "conf").is_dir() else PACKAGE.parent / "conf"
 SWEEP_DIR = "hydra.sweep.dir="
 INTERRUPTED = 130
+UNUSABLE = 1
 
 
 def main() -> None:
@@ -48,9 +50,9 @@ def run_command_line() -> int:
     except LoopgapError as error:
         return _complain(str(error), error.exit_status)
     except OSError as error:
-        return _complain(f"{error.filename or 'output'}: can't be used: {error}", 1)
+        return _complain(f"{error.filename or 'output'}: can't be used: {error}", UNUSABLE)
     except KeyboardInterrupt:
-        return _complain("interrupted: what was recorded until now is in the run folder", 130)
+        return _complain("interrupted: what was recorded is in the run folder", INTERRUPTED)
     return _report_sweep(sweep) if sweep else 0
 
 
@@ -67,7 +69,13 @@ def _hydra_job(raw: DictConfig) -> None:
         assert isinstance(config, Config)
         check_config(config)
         write_atomically(folder / "config.yaml", OmegaConf.to_yaml(raw, resolve=True))
+        shared = same_recording(config, folder.parent) if in_sweep else None
+        if shared is not None:
+            print(f"job {head['number']}: the recording of job {shared.name} is the same; used")
+            config.earlier = str(shared)
+            config.stages = [stage for stage in config.stages if stage not in SHARED_STAGES]
         run_stages(config, folder)
+        note_recording(config, folder)
     except BaseException as error:
         _note(folder, head | {"status": "failed", "error": f"{type(error).__name__}: {error}"})
         if not in_sweep or not isinstance(error, Exception):

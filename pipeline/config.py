@@ -14,10 +14,9 @@ STAGES = (
     "training",
     "compensation",
     "evaluation",
-    "diagnosis",
     "review",
 )
-EXTRA_STAGES = ("prediction",)
+EXTRA_STAGES = ()
 
 
 @dataclass

@@ -13,7 +13,9 @@ def explain(error: BaseException) -> str:
     chain = list(_causes(error))
     text = str(chain[-1]).strip() or str(error).strip()
     key = _key_of(chain)
-    message = f"configuration: {str(error).strip()}"
+    override = getattr(error, "override", None)
+    where = f"configuration, {override!r}" if override else "configuration"
+    message = f"{where}: {str(error).strip()}"
     if str(text).splitlines()[0] not in message:
         message += f"\n{text}"
     return message if key is None else f"{message}\n{_what_it_may_be(key)}"

@@ -7,14 +7,14 @@ from math import comb
 from pipeline.config import SplitConfig
 from pipeline.errors import UsageError, refusal
 
-PAPER_TEST_CYCLES = 3
 LEFT_OUT = 3
 
 
 def split_cycles(config: SplitConfig, cycles: Sequence[int]) -> tuple[list[int], list[int]]:
     """Training and test cycles out of those recorded, by `config.kind`:
 
-    paper            the last three test (six train of the paper's nine)
+    paper            three test (six train of the paper's nine): the last three, or with `index`
+                     another three, counted from the last on
     leave_three_out  `index` counts the choices of three test cycles in lexical order (84 of nine)
     k_fold           `index` is the fold, of `folds`: every folds-th cycle from that one on tests
     explicit         `train` and `test` name them
@@ -25,10 +25,9 @@ def split_cycles(config: SplitConfig, cycles: Sequence[int]) -> tuple[list[int],
     if config.kind == "explicit":
         return _explicit(config, cycles)
     if config.kind == "paper":
-        test = cycles[-PAPER_TEST_CYCLES:]
-        return _rest(cycles, test, PAPER_TEST_CYCLES + 1)
+        return _leave_three_out(config.index, cycles, from_last=True)
     if config.kind == "leave_three_out":
-        return _leave_three_out(config, cycles)
+        return _leave_three_out(config.index, cycles, from_last=False)
     if config.kind == "k_fold":
         return _k_fold(config, cycles)
     known = "paper, leave_three_out, k_fold, explicit"
@@ -51,11 +50,12 @@ def _explicit(config: SplitConfig, cycles: list[int]) -> tuple[list[int], list[i
     return sorted(set(config.train)), sorted(set(config.test))
 
 
-def _leave_three_out(config: SplitConfig, cycles: list[int]) -> tuple[list[int], list[int]]:
+def _leave_three_out(index: int, cycles: list[int], from_last: bool) -> tuple[list[int], list[int]]:
     choices = comb(len(cycles), LEFT_OUT)
     _check_enough(cycles, LEFT_OUT + 1)
-    _check_index(config.index, choices, f"{LEFT_OUT} of {len(cycles)} cycles")
-    test = next(c for i, c in enumerate(combinations(cycles, LEFT_OUT)) if i == config.index)
+    _check_index(index, choices, f"{LEFT_OUT} of {len(cycles)} cycles")
+    place = choices - 1 - index if from_last else index
+    test = next(c for i, c in enumerate(combinations(cycles, LEFT_OUT)) if i == place)
     return _rest(cycles, list(test), LEFT_OUT + 1)
 
 

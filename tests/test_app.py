@@ -1,0 +1,171 @@
+"""The command line: exit statuses, errors that name the key, stages on what an earlier run left."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pandas as pd
+import pytest
+
+from pipeline import app
+from pipeline.recording import load_recording
+
+ROOT = Path(__file__).resolve().parents[1]
+SMALL = ["acquisition.cycles=4", "acquisition.steps_per_cycle=40", "selection.k_max=3",
+         "compensation.targets=12", "vision.workers=1", "camera.width_px=504",
+         "camera.height_px=378"]  # fmt: skip
+LATER = "stages=[selection,training,compensation,evaluation,review]"
+
+
+def loopgap(monkeypatch: pytest.MonkeyPatch, *arguments: str) -> int:
+    monkeypatch.setattr(sys, "argv", ["loopgap", *arguments])
+    try:
+        return app.run_command_line()
+    except SystemExit as stop:
+        return int(stop.code or 0)
+
+
+@pytest.fixture(scope="module")
+def small_run(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """One small main job, by the command as a user gives it."""
+    folder = tmp_path_factory.mktemp("main") / "run"
+    command = [sys.executable, "-m", "pipeline.app", *SMALL, f"hydra.run.dir={folder}"]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=300)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return folder
+
+
+def test_main_job_leaves_every_result(small_run):
+    assert json.loads((small_run / "job.json").read_text())["status"] == "done"
+    for name in ("yaw", "pitch"):
+        recording = load_recording(small_run / "vision" / name)
+        assert len(recording.samples) == 160
+        assert recording.values(f"{name}_angle_deg").std() > 10
+    table = pd.read_csv(small_run / "evaluation" / "table.csv")
+    assert set(table["axis"]) == {"yaw", "pitch"}
+    assert (table["compensated RMSE [deg]"] < table["nominal RMSE [deg]"]).all()
+    for name in ("evaluation/table.tex", "review/run.rrd", "review/figures/loops.pdf"):
+        assert (small_run / name).stat().st_size > 500
+
+
+def test_truth_is_beside_the_recording_and_not_in_it(small_run):
+    truth = pd.read_csv(small_run / "acquisition" / "truth" / "yaw.csv")
+    assert len(truth) == 160
+    for samples in small_run.glob("*/yaw/samples.csv"):
+        assert not [c for c in pd.read_csv(samples).columns if "true" in c]
+
+
+def test_some_stages_go_on_from_an_earlier_run(small_run, tmp_path, monkeypatch):
+    arguments = [*SMALL, f"hydra.run.dir={tmp_path}", f"earlier={small_run}"]
+    assert loopgap(monkeypatch, *arguments, "stages=[training]", "seed=3") == 0
+    assert sorted(f.name for f in (tmp_path / "training").iterdir()) == ["pitch.json", "yaw.json"]
+
+
+def test_a_recording_of_ones_own_is_trained_on(small_run, tmp_path, monkeypatch):
+    source = small_run / "vision" / "yaw"
+    arguments = [*SMALL, f"hydra.run.dir={tmp_path}", f"recording={source}"]
+    assert loopgap(monkeypatch, *arguments, "stages=[selection,training]") == 0
+    assert (tmp_path / "training" / "yaw.json").is_file()
+
+
+def test_a_stage_without_its_input_says_which_stage_makes_it(tmp_path, monkeypatch, capsys):
+    assert loopgap(monkeypatch, "stages=[training]", f"hydra.run.dir={tmp_path}") == 2
+    assert "Add 'vision' to `stages`" in capsys.readouterr().err
+    assert json.loads((tmp_path / "job.json").read_text())["status"] == "failed"
+
+
+def test_sweep_shares_the_recording_and_leaves_one_table(small_run, tmp_path, monkeypatch):
+    arguments = ["-m", *SMALL, f"earlier={small_run}", f"hydra.sweep.dir={tmp_path}", LATER,
+                 "selection.k=2,3", "split.index=0,1",
+                 "compensation/step_rule=armijo,newton", "evaluation.trial=false"]  # fmt: skip
+    assert loopgap(monkeypatch, *arguments) == 0
+    results = pd.read_csv(tmp_path / "results.csv")
+    assert results["job"].nunique() == 8
+    assert set(results["selection.k"]) == {2, 3}
+    assert set(results["compensation/step_rule"]) == {"armijo", "newton"}
+    rmse = results[results["metric"] == "model_rmse"].groupby("split.index")["value"].mean()
+    assert rmse[0] != rmse[1]
+
+
+def test_second_job_of_a_sweep_uses_the_first_ones_frames(tmp_path, monkeypatch):
+    arguments = ["-m", *SMALL, "acquisition.cycles=1", f"hydra.sweep.dir={tmp_path}",
+                 "stages=[acquisition,vision]", "training.n_init=1,2"]  # fmt: skip
+    assert loopgap(monkeypatch, *arguments) == 1  # no metrics: listed as incomplete
+    assert (tmp_path / "0" / "vision").is_dir()
+    assert not (tmp_path / "1" / "vision").exists()
+
+
+def test_a_failed_job_does_not_stop_the_others(small_run, tmp_path, monkeypatch, capsys):
+    arguments = ["-m", *SMALL, f"earlier={small_run}", f"hydra.sweep.dir={tmp_path}", LATER,
+                 "selection.k=2,9999", "evaluation.trial=false"]  # fmt: skip
+    assert loopgap(monkeypatch, *arguments) == 1
+    results = pd.read_csv(tmp_path / "results.csv")
+    assert set(results["selection.k"]) == {2}
+    assert "at most" in (tmp_path / "results.md").read_text()
+
+
+@pytest.mark.parametrize(
+    ("argument", "words"),
+    [
+        ("selection.kk=4", "Key 'kk' is unknown under 'selection'; it may be: criterion, k,"),
+        ("selectoin.k=4", "Did you mean 'selection'?"),
+        ("selection.k=many", "selection.k takes a whole number or null"),
+        ("acquisition.cycles=nine", "acquisition.cycles takes a whole number"),
+        ("compensation/step_rule=wolfe", "armijo"),
+        ("compensation.step_rule.shrinc=0.5", "Key 'shrinc' is unknown"),
+        ("robot=kuka", "emulated"),
+        ("stages=[aquisition]", "one of acquisition, vision"),
+        ("selection.criterion=cv", "one of bic, aic, heldout"),
+        ("selection.k=4=5", "selection.k"),
+    ],
+)
+def test_wrong_configuration_names_the_key_and_what_it_may_be(
+    argument, words, tmp_path, monkeypatch, capsys
+):
+    assert loopgap(monkeypatch, argument, f"hydra.run.dir={tmp_path}") == 2
+    assert words in capsys.readouterr().err
+
+
+def test_output_folder_that_cannot_be_made(tmp_path, monkeypatch, capsys):
+    (tmp_path / "file").write_text("")
+    assert loopgap(monkeypatch, f"hydra.run.dir={tmp_path}/file/run") == 1
+    assert "can't be used" in capsys.readouterr().err
+
+
+def test_absent_serial_port(tmp_path, monkeypatch, capsys):
+    arguments = ["robot=epos2", "robot.port=/dev/ttyNOT", "camera=v4l2", "acquisition.clock=real"]
+    assert loopgap(monkeypatch, *arguments, f"hydra.run.dir={tmp_path}") == 1
+    assert "/dev/ttyNOT" in capsys.readouterr().err
+
+
+def test_real_robot_needs_a_real_camera(tmp_path, monkeypatch, capsys):
+    assert loopgap(monkeypatch, "robot=epos2", f"hydra.run.dir={tmp_path}") == 2
+    assert "camera=v4l2" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_interrupted_acquisition_leaves_a_readable_recording(number, tmp_path):
+    command = [sys.executable, "-m", "pipeline.app", "stages=[acquisition]",
+               f"hydra.run.dir={tmp_path}"]  # fmt: skip
+    process = subprocess.Popen(
+        command, cwd=ROOT, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True,
+        env=os.environ | {"PYTHONUNBUFFERED": "1"},
+    )  # fmt: skip
+    samples = tmp_path / "acquisition" / "yaw" / "samples.csv"
+    deadline = time.monotonic() + 60
+    while not (samples.is_file() and samples.read_text().count("\n") > 10):
+        assert time.monotonic() < deadline
+        assert process.poll() is None
+        time.sleep(0.05)
+    process.send_signal(number)
+    _, errors = process.communicate(timeout=60)
+    assert process.returncode == app.INTERRUPTED
+    assert "interrupted" in errors
+    recording = load_recording(samples.parent)
+    frames = list((samples.parent / "frames").glob("yaw_*.jpg"))
+    assert 10 <= len(recording.samples) <= len(frames) <= len(recording.samples) + 1
+    assert len(pd.read_csv(tmp_path / "acquisition" / "truth" / "yaw.csv")) >= 10
