@@ -87,7 +87,7 @@ def _microscopes(
     def pose_of(axis: str) -> Callable[[], float]:
         def look() -> float:
             snake.move(clock.now_s(), emulator.shaft_deg())
-            return snake.pose_deg()[axis]
+            return snake.seen_deg()[axis]
 
         return look
 

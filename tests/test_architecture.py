@@ -1,0 +1,78 @@
+"""The house's rules that a machine can check."""
+
+import ast
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+FILES = sorted((ROOT / "pipeline").rglob("*.py"))
+LAYERS = {
+    "app": 4, "run": 3, "laboratory": 3, "stages": 3,
+    "discrepancy": 2, "control": 2, "models": 2, "hardware": 2, "twin": 2, "vision": 2,
+    "tracking": 2, "concealed": 2, "recorder": 1, "split": 1, "commands": 1, "config_errors": 1,
+    "physics": 1, "recording": 0, "clock": 0, "config": 0, "errors": 0,
+}  # fmt: skip
+
+
+def imported(file: Path) -> set[str]:
+    names: set[str] = set()
+    for node in ast.walk(ast.parse(file.read_text())):
+        if isinstance(node, ast.Import):
+            names |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom) and node.module:
+            names.add(node.module)
+            names |= {f"{node.module}.{alias.name}" for alias in node.names}
+    return names
+
+
+def room_of(file: Path) -> str:
+    return file.relative_to(ROOT / "pipeline").parts[0].removesuffix(".py")
+
+
+def test_imports_go_one_way():
+    upward = []
+    for file in FILES:
+        room = room_of(file)
+        if room == "__init__":
+            continue
+        for name in imported(file):
+            parts = name.split(".")
+            other = parts[1] if parts[0] == "pipeline" and len(parts) > 1 else room
+            if other in LAYERS and LAYERS[other] > LAYERS[room]:
+                upward.append(f"{file.relative_to(ROOT)} imports {name}")
+    assert upward == []
+
+
+@pytest.mark.parametrize(
+    ("library", "rooms"),
+    [
+        ("rerun", {"pipeline/tracking/review.py"}),
+        ("matplotlib", {"pipeline/tracking/figures.py", "pipeline/tracking/diagnosis_figures.py"}),
+        ("serial", {"pipeline/hardware/epos2_line.py"}),
+        ("hydra", {"pipeline/app.py", "pipeline/config.py"}),
+    ],
+)
+def test_a_library_is_known_in_few_rooms(library, rooms):
+    users = {
+        str(file.relative_to(ROOT))
+        for file in FILES
+        if any(name.split(".")[0] == library for name in imported(file))
+    }
+    assert users
+    assert users <= rooms
+
+
+@pytest.mark.parametrize("word", ["pickle", "eval", "exec"])
+def test_nothing_runs_what_a_file_says(word):
+    for file in FILES:
+        for node in ast.walk(ast.parse(file.read_text())):
+            called = isinstance(node, ast.Call) and getattr(node.func, "id", "") == word
+            assert not called, f"{file} calls {word}"
+        assert word not in imported(file)
+
+
+def test_configuration_names_no_code():
+    for file in [*FILES, *(ROOT / "conf").rglob("*.yaml")]:
+        words = file.read_text().replace(":", " ").split()
+        assert "_target_" not in words, file
