@@ -4,6 +4,9 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
+from numba import njit
+
+EDGE = 10
 
 
 class Curve(Protocol):
@@ -31,20 +34,44 @@ class IdentityCurve:
         return np.asarray(drive, dtype=float)
 
 
+@njit(cache=True)
+def _between(drive, first, spacing, angle, low_slope, high_slope):  # type: ignore[no-untyped-def]
+    out = np.empty(drive.size)
+    last = angle.size - 1
+    for i in range(drive.size):
+        place = (drive[i] - first) / spacing
+        if place <= 0.0:
+            out[i] = angle[0] + place * low_slope
+        elif place >= last:
+            out[i] = angle[last] + (place - last) * high_slope
+        else:
+            k = int(place)
+            out[i] = angle[k] + (place - k) * (angle[k + 1] - angle[k])
+    return out
+
+
 @dataclass(frozen=True)
 class SampledCurve:
-    """A curve through samples, straight beyond its ends.
+    """A curve through evenly spaced samples, straight beyond its ends.
 
-    drive: (k,) increasing. angle: (k,).
+    first, spacing: where the samples stand [drive unit]. angle: (k,), k >= 2.
     """
 
-    drive: np.ndarray
+    first: float
+    spacing: float
     angle: np.ndarray
 
     def __call__(self, drive: np.ndarray) -> np.ndarray:
-        inside = np.interp(drive, self.drive, self.angle)
-        first = (self.angle[1] - self.angle[0]) / (self.drive[1] - self.drive[0])
-        last = (self.angle[-1] - self.angle[-2]) / (self.drive[-1] - self.drive[-2])
-        below = np.minimum(drive - self.drive[0], 0.0) * first
-        above = np.maximum(drive - self.drive[-1], 0.0) * last
-        return inside + below + above
+        edge = min(EDGE, len(self.angle) - 1)
+        low = (self.angle[edge] - self.angle[0]) / edge
+        high = (self.angle[-1] - self.angle[-1 - edge]) / edge
+        drive = np.ascontiguousarray(drive, dtype=float)
+        return _between(drive, self.first, self.spacing, self.angle, low, high)
+
+
+def sampled_curve(drive: np.ndarray, angle: np.ndarray, knots: int = 401) -> SampledCurve:
+    """The curve through samples (n,), (n,) in any order; equal drives are averaged."""
+    at, place = np.unique(drive, return_inverse=True)
+    mean = np.bincount(place, weights=angle) / np.bincount(place)
+    grid = np.linspace(at[0], at[-1], knots)
+    return SampledCurve(float(grid[0]), float(grid[1] - grid[0]), np.interp(grid, at, mean))

@@ -1,0 +1,148 @@
+"""Choosing terms: a beam over sets, every parameter refitted, polished by deletion and swap."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from pipeline.discrepancy.fit import Fit, Ground, evaluate, improve, parameters_of
+from pipeline.discrepancy.moments import settle_moments
+from pipeline.discrepancy.noise_family import NoiseFamily
+from pipeline.discrepancy.screen import Lead, screen, started
+from pipeline.physics.term import Term
+
+BEAM = 3
+BRANCHES = 7
+MOST_TERMS = 4
+TERM_COST = 8.0
+LEAST_GAIN = 6.0
+
+
+@dataclass(frozen=True)
+class Choice:
+    """A fit with its own noise and its score: -2 log evidence (BIC) with a charge for each term."""
+
+    fit: Fit
+    place: tuple[int, int, int]
+    score: float
+
+
+@dataclass(frozen=True)
+class Search:
+    """What a search needs: the terms that the recording can show and the noises to choose from."""
+
+    terms: tuple[Term, ...]
+    family: NoiseFamily
+
+    def weighed(self, fit: Fit, place: tuple[int, int, int], iterations: int = 4) -> Choice:
+        """A fit under the noise that suits its own residual, refitted there, and its score."""
+        residual = fit.ground.problem.measured - fit.predicted
+        noise, place = self.family.pick(residual, place)
+        ground = fit.ground.with_noise(noise)
+        fit = improve(evaluate(ground, fit.pieces), iterations)
+        residual = np.where(ground.used, ground.problem.measured - fit.predicted, 0.0)
+        cost = self.family.weigh(place, residual)[0]
+        own = fit.cost - 2.0 * ground.log_scale - float(fit.innovations @ fit.innovations)
+        return Choice(fit, place, cost + own + complexity(fit))
+
+
+def complexity(fit: Fit) -> float:
+    """The charge for a fit's terms and for those of their parameters that are not at a bound."""
+    charge = 0.0
+    for piece in fit.pieces:
+        charge += TERM_COST
+        for p, value in zip(parameters_of(fit.ground, piece.term), piece.values, strict=True):
+            if p.low < value < p.high:
+                charge += np.log(independent(fit.ground))
+    return charge
+
+
+def independent(ground: Ground) -> float:
+    """About how many independent samples there are."""
+    share = ground.noise.correlated**2 / max(ground.noise.deviation**2, 1e-300)
+    phi = ground.noise.correlation
+    return max(ground.count * (1.0 - share * 2.0 * phi / (1.0 + phi)), 10.0)
+
+
+def choose(search: Search, ground: Ground) -> list[Choice]:
+    """The best choices, best first; each set of terms once."""
+    base = search.weighed(evaluate(ground, ()), (0, 0, 0))
+    found = {base.fit.key: base}
+    beam = [base]
+    for _ in range(MOST_TERMS):
+        children: dict[frozenset[tuple[str, str]], Choice] = {}
+        for parent in beam:
+            for child in extended(search, parent):
+                known = children.get(child.fit.key)
+                if known is None or child.score < known.score:
+                    children[child.fit.key] = child
+        if not children:
+            break
+        before = min(c.score for c in found.values())
+        for key, child in children.items():
+            if key not in found or child.score < found[key].score:
+                found[key] = child
+        beam = sorted(children.values(), key=lambda c: c.score)[:BEAM]
+        if beam[0].score > before + LEAST_GAIN:
+            break
+    return polished(search, sorted(found.values(), key=lambda c: c.score))
+
+
+def extended(search: Search, parent: Choice, branches: int = BRANCHES) -> list[Choice]:
+    """The parent with each of the most promising further terms."""
+    leads = by_term(screen(parent.fit, allowed(search.terms, parent.fit)))
+    trials = []
+    for few in leads[:branches]:
+        trials.append(improve(started(parent.fit, few), 3))
+    trials.sort(key=lambda t: t.cost)
+    out = []
+    for trial in trials[: max(branches - 3, 3)]:
+        fit = settle_moments(improve(trial, 8))
+        out.append(search.weighed(fit, parent.place))
+    return out
+
+
+def by_term(leads: Sequence[Lead]) -> list[list[Lead]]:
+    """Leads of the same term and form together, the most promising term first."""
+    groups: dict[tuple[str, str], list[Lead]] = {}
+    for lead in leads:
+        groups.setdefault((lead.term.name, lead.term.form), []).append(lead)
+    return list(groups.values())
+
+
+def allowed(terms: Sequence[Term], fit: Fit) -> list[Term]:
+    """Terms that may stand beside those of a fit: no name twice but for sides, no two plays."""
+    names = {p.term.name for p in fit.pieces}
+    groups = {p.term.group for p in fit.pieces if p.term.group}
+    keys = {(p.term.name, p.term.form) for p in fit.pieces}
+    sided = ("contact", "end_stop")
+    return [
+        t
+        for t in terms
+        if (t.name, t.form) not in keys
+        and (t.name not in names or t.name in sided)
+        and not (t.group and t.group in groups)
+    ]
+
+
+def polished(search: Search, choices: list[Choice]) -> list[Choice]:
+    """Delete terms and swap them for others as long as the best gets better."""
+    found = {c.fit.key: c for c in choices}
+    for _ in range(3):
+        best = min(found.values(), key=lambda c: c.score)
+        for piece in best.fit.pieces:
+            rest = [p for p in best.fit.pieces if p is not piece]
+            key = frozenset((p.term.name, p.term.form) for p in rest)
+            if key in found:
+                continue
+            fit = improve(evaluate(best.fit.ground, rest))
+            without = search.weighed(fit, best.place)
+            found[key] = without
+            for child in extended(search, without, 5):
+                if child.fit.key not in found or child.score < found[child.fit.key].score:
+                    found[child.fit.key] = child
+        if min(found.values(), key=lambda c: c.score) is best:
+            break
+    return sorted(found.values(), key=lambda c: c.score)
+
+

@@ -1,0 +1,106 @@
+"""The noises that a fit may choose from: shapes round the learnt one, and how well repeats fit each."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from pipeline.discrepancy.noise import NoiseModel, whitened
+from pipeline.discrepancy.noise_learning import NoisePrior
+
+JITTERS = (0.0, 0.08, 0.16, 0.3, 0.6, 1.2)
+WALKS = (0.0, 0.004, 0.01, 0.025, 0.06, 0.15)
+SHAPES = ((0.0, 0.0), (1.0, 0.35), (1.0, 0.5), (1.0, 0.65), (1.0, 0.78), (0.5, 0.8))
+CAP = 16.0
+JITTER_COST = 1.0
+WALK_COST = 2.0
+
+
+@dataclass(frozen=True)
+class NoiseFamily:
+    """Noises of unit deviation on the rows of one problem; `pick` finds the likeliest.
+
+    prior: as learnt. used: (n,) rows that count. shapes: (share of the variance that is correlated,
+    correlation); strain: (shapes,) -2 log of how much worse repeats fit each, at most CAP.
+    """
+
+    prior: NoisePrior
+    cycle: np.ndarray
+    used: np.ndarray
+    shapes: Sequence[tuple[float, float]]
+    strain: np.ndarray
+    filters: dict[tuple[int, int, int], np.ndarray] = field(default_factory=dict)
+
+    def unit(self, place: tuple[int, int, int]) -> NoiseModel:
+        """The noise at a place of the grid, its deviation 1."""
+        share, correlation = self.shapes[place[0]]
+        return NoiseModel(
+            np.sqrt(max(1.0 - share, 1e-6)), np.sqrt(share), correlation,
+            JITTERS[place[1]], WALKS[place[2]],
+        )  # fmt: skip
+
+    def weigh(self, place: tuple[int, int, int], residual: np.ndarray) -> tuple[float, float]:
+        """-2 log posterior at the likeliest scale, and that scale; residual is 0 where not used."""
+        unit = self.unit(place)
+        if place not in self.filters:
+            self.filters[place] = unit.gains(self.cycle, self.used)
+        gains = self.filters[place]
+        e = whitened(residual[:, None], gains, unit.correlation, self.cycle)[:, 0]
+        n = int(self.used.sum())
+        square = float(e @ e)
+        sure, learnt = self.prior.sure, np.log(self.prior.model.deviation)
+        log_scale = 0.5 * np.log(max(square / n, 1e-300))
+        for _ in range(3):
+            slope = 2 * n - 2 * square * np.exp(-2 * log_scale)
+            slope += 2 * np.clip((log_scale - learnt) / sure**2, -2 / sure, 2 / sure)
+            log_scale -= slope / (4 * square * np.exp(-2 * log_scale) + 2 / sure**2)
+        cost = square * np.exp(-2 * log_scale) + 2 * n * log_scale
+        cost += 2 * float(np.sum(np.log(gains[self.used, 3])))
+        off = abs(log_scale - learnt) / sure
+        cost += off**2 if off < 2.0 else 4.0 * (off - 1.0)
+        cost += JITTER_COST * (place[1] > 0) + WALK_COST * (place[2] > 0)
+        return cost + float(self.strain[place[0]]), float(np.exp(log_scale))
+
+    def pick(
+        self, residual: np.ndarray, start: tuple[int, int, int]
+    ) -> tuple[NoiseModel, tuple[int, int, int]]:
+        """The likeliest noise for a residual (n,), by descent over the grid from a place."""
+        filled = np.where(self.used, residual, 0.0)
+        known = {start: self.weigh(start, filled)}
+        best = start
+        sizes = (len(self.shapes), len(JITTERS), len(WALKS))
+        while True:
+            moves = [
+                (*best[:axis], best[axis] + way, *best[axis + 1 :])
+                for axis in (1, 2)
+                for way in (-1, 1)
+                if 0 <= best[axis] + way < sizes[axis]
+            ]
+            moves += [(shape, best[1], best[2]) for shape in range(sizes[0])]
+            for move in moves:
+                if move not in known:
+                    known[move] = self.weigh(move, filled)
+            winner = min(known, key=lambda place: known[place][0])
+            if winner == best:
+                break
+            best = winner
+        scale, unit = known[best][1], self.unit(best)
+        return replace(
+            unit,
+            white=unit.white * scale,
+            correlated=unit.correlated * scale,
+            jitter=unit.jitter * scale,
+            walk=unit.walk * scale,
+        ), best
+
+
+def noise_family(prior: NoisePrior, cycle: np.ndarray, used: np.ndarray) -> NoiseFamily:
+    """The family round what was learnt from repeats."""
+    model = prior.model
+    share = model.correlated**2 / max(model.deviation**2, 1e-300)
+    shapes = [(float(min(share, 1.0)), model.correlation), *SHAPES]
+    strain = np.zeros(len(shapes))
+    if prior.series:
+        strain = np.array([prior.strain(*shape) for shape in shapes])
+        strain = np.minimum(strain - strain.min(), CAP)
+    return NoiseFamily(prior, cycle, used, shapes, strain)

@@ -1,0 +1,205 @@
+"""The noise of a recording, learnt from repeated cycles before any physics."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import minimize
+
+from pipeline.discrepancy.noise import NoiseModel, whitened
+from pipeline.discrepancy.problem import Problem
+
+SAME_COMMAND = 1e-3
+APART = 60
+FREE_LEVEL = 1e3
+
+
+@dataclass(frozen=True)
+class NoisePrior:
+    """What is known of the noise before the fit.
+
+    model: the likeliest. repeats: how many cycles it was learnt from. sure: how sure its deviation
+    is (log scale). series: the contrasts it was learnt from, zero-mean, NaN where missing.
+    """
+
+    model: NoiseModel
+    repeats: int
+    sure: float
+    series: tuple[np.ndarray, ...]
+
+    def strain(self, share: float, correlation: float) -> float:
+        """-2 log likelihood of the contrasts for a shape of noise, at its likeliest scale."""
+        joined, cycle, used, scale = _joined(self.series)
+        shape = NoiseModel(
+            np.sqrt(max(1.0 - share, 1e-6)), np.sqrt(share), correlation, FREE_LEVEL, 0.0
+        )
+        gains = shape.gains(cycle, used)
+        values = np.where(used, joined, 0.0)[:, None]
+        e = whitened(values, gains, correlation, cycle)[:, 0]
+        n = max(int(used.sum()) - len(self.series), 1)
+        return n * float(np.log(max(e @ e, 1e-300) / n)) + 2 * float(np.sum(np.log(gains[used, 3])))
+
+
+def learn_noise(problem: Problem) -> NoisePrior:
+    """Noise from contrasts of repeated cycles, or from what is rough where nothing repeats.
+
+    A contrast is a sum over repeats whose weights cancel what repeats and what grows linearly
+    from repeat to repeat, so that physics of either kind is no noise.
+    """
+    residual = np.where(problem.train, problem.measured - problem.simulated, np.nan)
+    groups = repeated_cycles(problem)
+    series = tuple(s for rows in groups for s in contrasts(residual, rows))
+    if sum(np.isfinite(s).sum() for s in series) >= 60:
+        return NoisePrior(fit_noise(series), sum(len(g) for g in groups), 0.08, series)
+    rough = (rough_part(residual, problem),)
+    return NoisePrior(fit_noise(rough), 0, 0.3, ())
+
+
+def repeated_cycles(problem: Problem) -> list[np.ndarray]:
+    """Groups of training cycles with the same commands, each as row numbers (repeats, steps).
+
+    The rows up to a cycle's first reversal are left out (-1) where the cycle before was another
+    motion or none: there the mechanism still remembers that.
+    """
+    cycle = problem.cycle
+    numbers = np.unique(cycle)
+    signals = np.column_stack([problem.motion.drive, *problem.motion.others.values()])
+    spans = np.maximum(np.ptp(signals, axis=0), 1e-12)
+    rows_of = {c: np.flatnonzero(cycle == c) for c in numbers}
+    dwell = np.diff(problem.motion.time_s, prepend=problem.motion.time_s[0])
+    groups: list[list[int]] = []
+    for c in numbers:
+        if not problem.train[rows_of[c]].any():
+            continue
+        for group in groups:
+            a, b = rows_of[group[0]], rows_of[c]
+            if (
+                len(a) == len(b)
+                and np.all(np.abs(signals[a] - signals[b]) < SAME_COMMAND * spans)
+                and np.median(np.abs(dwell[a] - dwell[b])) < 0.3 * max(np.median(dwell), 1e-9)
+            ):
+                group.append(int(c))
+                break
+        else:
+            groups.append([int(c)])
+    return [_without_memory(g, rows_of, signals) for g in groups if len(g) > 1]
+
+
+def _without_memory(
+    group: list[int], rows_of: dict[int, np.ndarray], signals: np.ndarray
+) -> np.ndarray:
+    out = np.array([rows_of[c] for c in group])
+    turn = int(np.argmax(np.abs(signals[out[0], 0] - signals[out[0][0], 0])))
+    turn = min(turn, out.shape[1] // 2)
+    for k, c in enumerate(group):
+        before = rows_of.get(c - 1)
+        same = (
+            before is not None
+            and len(before) == out.shape[1]
+            and np.allclose(signals[before], signals[out[k]], atol=SAME_COMMAND * np.ptp(signals))
+        )
+        if not same:
+            out[k, :turn] = -1
+    return out
+
+
+def contrasts(residual: np.ndarray, rows: np.ndarray) -> list[np.ndarray]:
+    """Series (steps,) of unit variance's contrasts over repeats; NaN where a repeat has nothing."""
+    values = np.where(rows >= 0, residual[rows], np.nan)
+    repeats = len(values)
+    degree = 1 if repeats >= 3 else 0
+    number = np.max(rows, axis=1).astype(float)
+    number = (number - number.mean()) / max(float(np.ptp(number)), 1e-9)
+    base = np.vander(number, degree + 1)
+    full = np.linalg.svd(base)[0][:, degree + 1 :]
+    out = [full[:, j] @ values for j in range(full.shape[1])]
+    missing = ~np.isfinite(values)
+    if missing.any() and repeats > degree + 2:
+        out = _around_missing(values, base, out)
+    return [s - np.nanmean(s) for s in out if np.isfinite(s).sum() > 10]
+
+
+def _around_missing(values: np.ndarray, base: np.ndarray, out: list[np.ndarray]) -> list[np.ndarray]:
+    """Where repeats are missing, as many contrasts of the others as there are."""
+    for step in np.flatnonzero(~np.isfinite(values).all(axis=0)):
+        have = np.isfinite(values[:, step])
+        for series in out:
+            series[step] = np.nan
+        if have.sum() > base.shape[1]:
+            free = np.linalg.svd(base[have])[0][:, base.shape[1] :]
+            for j in range(free.shape[1]):
+                out[j][step] = free[:, j] @ values[have, step]
+    return out
+
+
+def rough_part(residual: np.ndarray, problem: Problem) -> np.ndarray:
+    """What a local line over neighbouring samples leaves of the residual, scaled to full size."""
+    out = np.full(len(residual), np.nan)
+    weights = np.array([-0.5, 1.0, -0.5])
+    same = np.zeros(len(residual), dtype=bool)
+    same[1:-1] = (problem.cycle[:-2] == problem.cycle[2:]) if len(residual) > 2 else False
+    middle = np.convolve(residual, weights[::-1], mode="same")
+    out[same] = middle[same] / np.sqrt(1.5)
+    return out
+
+
+def _joined(series: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
+    """All series in a row with gaps between, their numbers, what is used, and a robust deviation."""
+    gap = np.full(APART, np.nan)
+    joined = np.concatenate([part for s in series for part in (s, gap)])
+    number = np.concatenate([np.full(len(s) + APART, k) for k, s in enumerate(series)])
+    used = np.isfinite(joined)
+    scale = robust_deviation(joined[used])
+    used &= np.abs(np.where(used, joined, 0.0)) < 5.0 * scale
+    return joined, number, used, scale
+
+
+def fit_noise(series: Sequence[np.ndarray]) -> NoiseModel:
+    """The likeliest noise of zero-mean series with free levels [their unit]."""
+    joined, cycle, used, scale = _joined(series)
+    if scale == 0.0 or used.sum() < 5:
+        return NoiseModel(white=1e-9)
+    best: tuple[float, NoiseModel] | None = None
+    for correlation in (0.4, 0.85):
+        for walk in (0.0, 0.05):
+            start = NoiseModel(0.7 * scale, 0.5 * scale, correlation, 0.0, walk * scale)
+            cost, model = _likeliest(start, joined, cycle, used, scale)
+            if best is None or cost < best[0] - 1.0:
+                best = (cost, model)
+    assert best is not None
+    return best[1]
+
+
+def _likeliest(
+    start: NoiseModel, values: np.ndarray, cycle: np.ndarray, used: np.ndarray, scale: float
+) -> tuple[float, NoiseModel]:
+    walks = start.walk > 0.0
+
+    def model_of(x: np.ndarray) -> NoiseModel:
+        return NoiseModel(
+            white=float(np.exp(x[0])),
+            correlated=float(np.exp(x[1])),
+            correlation=float(1.0 / (1.0 + np.exp(-x[2]))),
+            jitter=FREE_LEVEL * scale,
+            walk=float(np.exp(x[3])) if walks else 0.0,
+        )
+
+    def cost(x: np.ndarray) -> float:
+        likely = model_of(x).log_likelihood(np.where(used, values, 0.0), cycle, used)
+        far = 0.5 * ((x[2] - 0.5) / 2.0) ** 2 + 0.5 * (np.maximum(-8 - (x - np.log(scale)), 0)[:2] ** 2).sum()
+        return -likely + far
+
+    x0 = [np.log(start.white), np.log(start.correlated), np.log(start.correlation / (1 - start.correlation))]
+    if walks:
+        x0.append(np.log(start.walk))
+    found = minimize(cost, x0, method="Nelder-Mead", options={"maxfev": 150, "xatol": 0.02, "fatol": 0.02})
+    model = model_of(found.x)
+    penalty = 3.5 if walks else 0.0
+    return float(found.fun) + penalty, NoiseModel(
+        model.white, model.correlated, model.correlation, 0.0, model.walk
+    )
+
+
+def robust_deviation(values: np.ndarray) -> float:
+    """Standard deviation of a Gaussian with the same median absolute deviation."""
+    return float(1.4826 * np.median(np.abs(values - np.median(values)))) if len(values) else 0.0

@@ -1,0 +1,204 @@
+"""The problem of one measurement: what drove it, what was measured, what may be fitted."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from pipeline.config import DiagnosisConfig, ToleranceConfig
+from pipeline.errors import LoopgapError, refusal
+from pipeline.physics.kinematics import Curve, IdentityCurve, sampled_curve
+from pipeline.physics.motion import Motion
+from pipeline.physics.term import Surroundings
+from pipeline.recording import Recording, reversals_of
+
+HELD_OUT_EVERY = 3
+STATIC_ERROR = 2e-3
+FEWEST_SAMPLES = 40
+MOST_ROWS = 6000
+
+
+class DiagnosisError(LoopgapError):
+    """A recording can't be diagnosed."""
+
+
+@dataclass(frozen=True)
+class Problem:
+    """Arrays are (n,). measured is NaN where nothing was measured.
+
+    simulated: the simulation as it came. curve: of the drive, see `static`. train, heldout: masks
+    that part the measured rows; `train` is all that fit, noise and choice may look at.
+    """
+
+    motion: Motion
+    curve: Curve
+    measured: np.ndarray
+    simulated: np.ndarray
+    train: np.ndarray
+    heldout: np.ndarray
+    around: Surroundings
+    tolerance: ToleranceConfig
+    drive: str
+    static: bool
+
+    @property
+    def cycle(self) -> np.ndarray:
+        return self.motion.cycle
+
+    def rows(self, wanted: np.ndarray) -> "Problem":
+        """The same problem on some of its rows (indices)."""
+        motion = self.motion
+        return replace(
+            self,
+            motion=replace(
+                motion,
+                drive=motion.drive[wanted],
+                time_s=motion.time_s[wanted],
+                cycle=motion.cycle[wanted],
+                others={name: values[wanted] for name, values in motion.others.items()},
+            ),
+            measured=self.measured[wanted],
+            simulated=self.simulated[wanted],
+            train=self.train[wanted],
+            heldout=self.heldout[wanted],
+        )
+
+
+def pose_problem(
+    config: DiagnosisConfig, recording: Recording, measurement: str, simulated: np.ndarray
+) -> Problem:
+    """What is to be explained: `measurement`, given a simulation of it (n,).
+
+    Raises DiagnosisError where there is too little to judge.
+    """
+    motion, curve, drive, static = driven_by(recording, measurement, simulated)
+    measured = recording.values(measurement)
+    heldout = held_out_rows(motion.cycle)
+    known = np.isfinite(measured) & np.isfinite(simulated)
+    train = known & ~heldout
+    if train.sum() < FEWEST_SAMPLES:
+        raise DiagnosisError(
+            refusal(
+                f"measurement {measurement!r}",
+                f"at least {FEWEST_SAMPLES} measured samples to fit on",
+                f"{int(train.sum())} of {len(measured)} rows (held-out cycles are not counted)",
+                "Record more cycles or more steps.",
+            )
+        )
+    around = surroundings_of(recording, measurement, motion, simulated, drive, static)
+    return Problem(
+        motion, curve, measured, simulated, train, known & heldout, around, config.tolerance,
+        drive, static,
+    )  # fmt: skip
+
+
+def held_out_rows(cycle: np.ndarray) -> np.ndarray:
+    """Rows of every third cycle, or the last third of the rows where there are fewer than three."""
+    numbers = np.unique(cycle)
+    if len(numbers) < HELD_OUT_EVERY:
+        rows = np.zeros(len(cycle), dtype=bool)
+        rows[len(cycle) - len(cycle) // HELD_OUT_EVERY :] = True
+        return rows
+    return np.isin(cycle, numbers[HELD_OUT_EVERY - 1 :: HELD_OUT_EVERY])
+
+
+def driven_by(
+    recording: Recording, measurement: str, simulated: np.ndarray
+) -> tuple[Motion, Curve, str, bool]:
+    """The motion, the nominal curve, the driving command's name, and whether it is static.
+
+    Where the simulation is a static curve of a command, that command drives and the curve is
+    learnt from the two. Otherwise the simulation's trace drives, and no curve follows.
+    """
+    commands = {c.name: recording.values(c.name) for c in recording.with_role("command")}
+    if not commands:
+        raise DiagnosisError(
+            refusal("recording", "a channel of role 'command'", "none", "Add what was commanded.")
+        )
+    known = np.isfinite(simulated)
+    misfit = {n: static_misfit(u[known], simulated[known]) for n, u in commands.items()}
+    drive = min(commands, key=lambda n: (misfit[n] >= STATIC_ERROR, not _kin(n, measurement),
+                                         misfit[n]))  # fmt: skip
+    static = misfit[drive] < STATIC_ERROR
+    signal: np.ndarray = commands[drive]
+    curve: Curve = IdentityCurve()
+    if static:
+        curve = sampled_curve(signal[known], simulated[known])
+    else:
+        rows = np.arange(len(simulated))
+        signal = np.interp(rows, rows[known], simulated[known])
+    others = {n: u for n, u in commands.items() if n != drive or not static}
+    unit = recording.channel(measurement).unit
+    motion = Motion(
+        drive=np.ascontiguousarray(signal, dtype=float),
+        time_s=recording.values("time_s"),
+        cycle=recording.values("cycle").astype(np.int64),
+        others={n: u for n, u in others.items() if n != drive},
+        radian=180.0 / np.pi if unit == "deg" else 1.0,
+    )
+    return motion, curve, drive, static
+
+
+def _kin(command: str, measurement: str) -> bool:
+    return command.split("_")[0] == measurement.split("_")[0]
+
+
+def static_misfit(command: np.ndarray, simulated: np.ndarray) -> float:
+    """How far a simulation is from a static curve of a command, over the simulation's range."""
+    span = float(np.ptp(simulated)) if len(simulated) else 0.0
+    if len(simulated) < 3 or float(np.ptp(command)) == 0.0:
+        return np.inf
+    if span == 0.0:
+        return np.inf
+    order = np.argsort(command, kind="stable")
+    u, s = command[order], simulated[order]
+    at, place = np.unique(u, return_inverse=True)
+    mean = np.bincount(place, weights=s) / np.bincount(place)
+    repeat = float(np.sqrt(np.mean((s - mean[place]) ** 2)))
+    if len(at) < 5:
+        return repeat / span
+    middle = np.interp(at[1:-1], at[[0, -1]], mean[[0, -1]])
+    left, right = at[1:-1] - at[:-2], at[2:] - at[1:-1]
+    middle = (mean[:-2] * right + mean[2:] * left) / (left + right)
+    return max(repeat, float(np.sqrt(np.mean((mean[1:-1] - middle) ** 2)))) / span
+
+
+def surroundings_of(
+    recording: Recording,
+    measurement: str,
+    motion: Motion,
+    simulated: np.ndarray,
+    drive: str,
+    static: bool,
+) -> Surroundings:
+    """The sizes that bound the terms' parameters."""
+    steps = np.abs(np.diff(motion.drive))
+    unit = recording.channel(measurement).unit
+    known = simulated[np.isfinite(simulated)]
+    others = [recording.channel(n).unit for n in motion.others]
+    return Surroundings(
+        drive_span=float(np.ptp(motion.drive)),
+        drive_low=float(np.min(motion.drive)),
+        angle_span=max(float(np.ptp(known)), 1e-9),
+        angle_low=float(np.min(known)),
+        step=float(np.median(steps[steps > 0])) if np.any(steps > 0) else 0.0,
+        dwell_s=float(np.median(np.diff(motion.time_s))),
+        start_s=float(motion.time_s[0]),
+        end_s=float(motion.time_s[-1]),
+        cycles=len(np.unique(motion.cycle)),
+        drive_unit=recording.channel(drive).unit if static else unit,
+        angle_unit=unit,
+        other_span={n: float(np.ptp(u)) for n, u in motion.others.items()},
+        other_unit=others[0] if others else "",
+    )
+
+
+def thinned(problem: Problem) -> tuple[Problem, int]:
+    """At most about MOST_ROWS rows to fit on, every k-th and all reversals; and k."""
+    n = len(problem.motion)
+    every = -(-n // MOST_ROWS)
+    if every == 1:
+        return problem, 1
+    keep = np.zeros(n, dtype=bool)
+    keep[::every] = True
+    keep[reversals_of(problem.motion.drive)] = True
+    return problem.rows(np.flatnonzero(keep)), every
