@@ -3,6 +3,7 @@ import itertools
 import pytest
 
 from pipeline.config import (
+    STEP_RULES,
     ArmijoConfig,
     BarzilaiBorweinConfig,
     ConstantConfig,
@@ -77,8 +78,8 @@ def test_armijo_takes_no_step_without_enough_fall() -> None:
 
 
 def test_every_rule_has_its_schema() -> None:
-    schemas = (ArmijoConfig, BarzilaiBorweinConfig, ConstantConfig, DiminishingConfig, NewtonConfig)
-    assert sorted(RULES) == sorted(schema().name for schema in schemas)
+    assert sorted(RULES) == sorted(STEP_RULES)
+    assert {name: schema().name for name, schema in STEP_RULES.items()} == {n: n for n in RULES}
 
 
 def test_unknown_rule_lists_the_known_ones() -> None:
