@@ -67,7 +67,7 @@ def collect(sweep: Path) -> Collection:
 
 
 def _job_folders(sweep: Path) -> list[Path]:
-    folders = [path.parent for path in sweep.rglob(JOB_FILE)] if sweep.is_dir() else []
+    folders = [path.parent for path in sweep.glob(f"*/{JOB_FILE}")] if sweep.is_dir() else []
     if not folders:
         raise UsageError(
             refusal(str(sweep), f"job folders with {JOB_FILE}", "none",

@@ -104,7 +104,7 @@ def save_figure(figure: Figure, folder: Path, name: str) -> list[Path]:
 
 
 def figure_bytes(figure: Figure, suffix: str = "png") -> bytes:
-    """The figure as an encoded PNG or PDF; the same figure gives the same bytes."""
+    """The figure as an encoded PNG or PDF; the same data give the same bytes."""
     buffer = io.BytesIO()
     metadata: dict[str, Any] = {"CreationDate": None} if suffix == "pdf" else {"Software": None}
     figure.savefig(buffer, format=suffix, dpi=PNG_DPI, metadata=metadata)
@@ -181,18 +181,21 @@ def errors_figure(predictions: Mapping[str, pd.DataFrame]) -> Figure:
         len(predictions), 2, height_in=height_in, sharey="row", width_ratios=[3.4, 1.0]
     )
     for (left, right), (axis, table) in zip(axes, predictions.items(), strict=True):
-        rmse_deg = {}
-        for method in ("nominal", "compensated"):
-            error = (table["measured_deg"] - table[f"{method}_deg"]).to_numpy(float)
-            rmse_deg[method] = float(np.sqrt(np.nanmean(error**2)))
+        errors = {
+            method: (table["measured_deg"] - table[f"{method}_deg"]).to_numpy(float)
+            for method in ("nominal", "compensated")
+        }
+        reach = np.nanmax(np.abs(np.concatenate(list(errors.values())))) + 1e-6
+        for method, error in errors.items():
             colour = COLOURS[method]
             left.plot(error, MARKERS[method], ms=2.6, mfc="none", mew=0.6, color=colour,
                       label=NAMES[method])  # fmt: skip
-            right.hist(error[np.isfinite(error)], bins=36, orientation="horizontal", density=True,
-                       histtype="stepfilled", fc=(colour, 0.3), ec=colour)  # fmt: skip
+            right.hist(error[np.isfinite(error)], bins=np.linspace(-reach, reach, 41),
+                       orientation="horizontal", density=True, histtype="stepfilled",
+                       fc=(colour, 0.3), ec=colour)  # fmt: skip
         _mark_cycles(left, table["cycle"].to_numpy())
         left.axhline(0.0, color="black", lw=0.8)
-        nominal, compensated = rmse_deg["nominal"], rmse_deg["compensated"]
+        nominal, compensated = (np.sqrt(np.nanmean(error**2)) for error in errors.values())
         left.set_title(f"{axis}: RMSE {nominal:.2f} deg nominal, {compensated:.2f} deg compensated")
         left.set_ylabel("measured − predicted [deg]")
         right.set_title("distribution")
