@@ -111,6 +111,6 @@ def _limit_deg(config: RobotConfig, axis: str) -> float:
     if axis not in config.limit_deg:
         raise UsageError(
             refusal("robot.limit_deg", f"a limit for axis {axis!r}", f"{dict(config.limit_deg)}",
-                    f"Say `robot.limit_deg.{axis}=90`, or what the mechanism bears.")
+                    f"Say `+robot.limit_deg.{axis}=90`, or what the mechanism bears.")
         )  # fmt: skip
     return config.limit_deg[axis]
