@@ -28,7 +28,7 @@ class FolderCamera:
         if name not in config.sources:
             raise UsageError(
                 refusal("camera.sources", f"a folder or video file for {name!r}",
-                        f"{config.sources}", f"Say `'camera.sources={{{name}: PATH}}'`.")
+                        f"{config.sources}", f"Say `+camera.sources.{name}=PATH`.")
             )  # fmt: skip
         self._source = Path(config.sources[name])
         self._given = 0

@@ -20,7 +20,7 @@ class V4l2Camera:
         if name not in config.devices:
             raise UsageError(
                 refusal("camera.devices", f"a device number for {name!r}", f"{config.devices}",
-                        f"Say `'camera.devices={{{name}: 0}}'` for /dev/video0.")
+                        f"Say `+camera.devices.{name}=0` for /dev/video0.")
             )  # fmt: skip
         self._where += f" (/dev/video{config.devices[name]})"
         self._capture = cv2.VideoCapture(config.devices[name], cv2.CAP_V4L2)

@@ -90,5 +90,5 @@ def test_file_that_is_no_video(tmp_path: Path) -> None:
 
 
 def test_camera_without_source() -> None:
-    with pytest.raises(UsageError, match=r"`'camera\.sources=\{yaw: PATH\}'`"):
+    with pytest.raises(UsageError, match=r"`\+camera\.sources\.yaw=PATH`"):
         FolderCamera("yaw", CameraConfig(kind="folder"))

@@ -116,5 +116,5 @@ def test_no_camera() -> None:
 
 
 def test_no_device_number() -> None:
-    with pytest.raises(UsageError, match=r"Say `'camera\.devices=\{pitch: 0\}'`"):
+    with pytest.raises(UsageError, match=r"Say `\+camera\.devices\.pitch=0`"):
         V4l2Camera("pitch", CONFIG)
