@@ -29,11 +29,6 @@ class Epos2:
         }
 
     @property
-    def axes(self) -> tuple[str, ...]:
-        """The names of the axes, in the order of `robot.nodes`."""
-        return tuple(self._motors)
-
-    @property
     def limits_deg(self) -> Mapping[str, float]:
         return self._limits_deg
 
