@@ -9,6 +9,8 @@ from pipeline.discrepancy.fit import Fit, Ground, evaluate, improve, parameters_
 from pipeline.discrepancy.moments import settle_moments
 from pipeline.discrepancy.noise_family import NoiseFamily
 from pipeline.discrepancy.screen import Lead, screen, started
+from pipeline.physics.catalogue import richer
+from pipeline.physics.mechanism import Piece
 from pipeline.physics.term import Term
 
 BEAM = 3
@@ -16,6 +18,8 @@ BRANCHES = 7
 MOST_TERMS = 4
 TERM_COST = 8.0
 LEAST_GAIN = 6.0
+AT_BOUND = 1.0
+UNLIKELY = {"response_lag": 8.0}
 
 
 @dataclass(frozen=True)
@@ -50,10 +54,10 @@ def complexity(fit: Fit) -> float:
     """The charge for a fit's terms and for those of their parameters that are not at a bound."""
     charge = 0.0
     for piece in fit.pieces:
-        charge += TERM_COST
+        charge += TERM_COST + UNLIKELY.get(piece.term.name, 0.0)
         for p, value in zip(parameters_of(fit.ground, piece.term), piece.values, strict=True):
-            if p.low < value < p.high:
-                charge += np.log(independent(fit.ground))
+            inside = p.low < value < p.high
+            charge += np.log(independent(fit.ground)) if inside else AT_BOUND
     return charge
 
 
@@ -125,11 +129,43 @@ def allowed(terms: Sequence[Term], fit: Fit) -> list[Term]:
     ]
 
 
+def grown(search: Search, choice: Choice) -> Choice:
+    """The choice with each term in the richer form that its score prefers, if any."""
+    for i, piece in enumerate(choice.fit.pieces):
+        for term in richer(piece.term):
+            trial = search.weighed(_reformed(choice.fit, i, term), choice.place)
+            if trial.score < choice.score:
+                choice = trial
+    return choice
+
+
+def _reformed(fit: Fit, place: int, term: Term) -> Fit:
+    """The fit with another form of a term, begun from the values that both have."""
+    old = fit.pieces[place]
+    parameters = parameters_of(fit.ground, term)
+    begun = [p.start for p in parameters]
+    if tuple(p.name for p in parameters[: len(old.values)]) == tuple(
+        p.name for p in parameters_of(fit.ground, old.term)
+    ) and [p.unit for p in parameters[: len(old.values)]] == [
+        p.unit for p in parameters_of(fit.ground, old.term)
+    ]:
+        begun[: len(old.values)] = list(old.values)
+    rest = (*fit.pieces[:place], *fit.pieces[place + 1 :])
+    trials = [evaluate(fit.ground, (*rest, Piece(term, np.array(begun))))]
+    for values in term.candidates(fit.ground.problem.motion, fit.ground.problem.around):
+        trials.append(evaluate(fit.ground, (*rest, Piece(term, values))))
+    trials.sort(key=lambda t: t.cost)
+    return min((improve(t, 8) for t in trials[:2]), key=lambda t: t.cost)
+
+
 def polished(search: Search, choices: list[Choice]) -> list[Choice]:
-    """Delete terms and swap them for others as long as the best gets better."""
+    """Richer forms, deletions and swaps of the best as long as it gets better."""
     found = {c.fit.key: c for c in choices}
     for _ in range(3):
         best = min(found.values(), key=lambda c: c.score)
+        richest = grown(search, best)
+        if richest is not best:
+            found[richest.fit.key] = best = richest
         for piece in best.fit.pieces:
             rest = [p for p in best.fit.pieces if p is not piece]
             key = frozenset((p.term.name, p.term.form) for p in rest)

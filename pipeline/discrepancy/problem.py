@@ -185,6 +185,7 @@ def surroundings_of(
         start_s=float(motion.time_s[0]),
         end_s=float(motion.time_s[-1]),
         cycles=len(np.unique(motion.cycle)),
+        travel=float(steps.sum()),
         drive_unit=recording.channel(drive).unit if static else unit,
         angle_unit=unit,
         other_span={n: float(np.ptp(u)) for n, u in motion.others.items()},

@@ -27,12 +27,13 @@ class Load:
     """What a term adds to the balance.
 
     slip: (m, 3) stiffness [1], force limit against rising and against falling [angle unit].
-    smooth: (4,) linear [1], cubic [1/angle^2], gravity [angle] and gravity's zero [rad].
+    smooth: (6,) linear [1], cubic [1/angle^2], gravity [angle], gravity's zero [rad], toe [angle]
+        and the reach of the toe [angle].
     contact: (c, 4) side (+1, -1), angle, stiffness [1], rounding [angle].
     """
 
     slip: np.ndarray = field(default_factory=lambda: NO_SLIP)
-    smooth: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
+    smooth: tuple[float, ...] = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     contact: np.ndarray = field(default_factory=lambda: NO_CONTACT)
 
 
@@ -64,6 +65,7 @@ def _stops(at, radian, gravity, zero, contact):  # type: ignore[no-untyped-def]
 def balance(q, state, slip, smooth, radian, contact, fresh):  # type: ignore[no-untyped-def]
     """Joint angles for the asked angles `q`, shape (n,), and the state (q, angle, forces)."""
     linear, cubic, gravity, zero = smooth[0], smooth[1], smooth[2], smooth[3]
+    toe, reach = smooth[4], max(smooth[5], 1e-9)
     plain = contact.shape[0] == 0 and gravity == 0.0
     m = slip.shape[0]
     stiffness, above, below = slip[:, 0].copy(), slip[:, 1].copy(), -slip[:, 2]
@@ -78,6 +80,10 @@ def balance(q, state, slip, smooth, radian, contact, fresh):  # type: ignore[no-
         for _ in range(SWEEPS):
             rest = at + linear * at + cubic * at * at * at - asked
             slope = 1.0 + linear + 3.0 * cubic * at * at
+            if toe != 0.0:
+                bent = np.tanh(at / reach)
+                rest += toe * bent
+                slope += toe / reach * (1.0 - bent * bent)
             if not plain:
                 more, steeper = _stops(at, radian, gravity, zero, contact)
                 rest += more
@@ -117,7 +123,7 @@ def settle(
     loads = [cast(BalancedTerm, p.term).load(p.values) for p in pieces]
     slip = np.concatenate([load.slip for load in loads])
     contact = np.concatenate([load.contact for load in loads])
-    smooth = np.sum([load.smooth for load in loads], axis=0)
+    smooth = np.sum([load.smooth for load in loads], axis=0)  # a reach stands in one load only
     fresh = state is None
     carried = np.zeros(2 + len(slip)) if state is None else state
     return balance(np.ascontiguousarray(asked), carried, slip, smooth, radian, contact, fresh)

@@ -33,17 +33,17 @@ FORCE_TERMS = (
 
 
 def terms(other_commands: Iterable[str] = ()) -> tuple[Term, ...]:
-    """Every term in every form; a coupling for each other command."""
+    """Every term in the forms that a search begins with; a coupling for each other command."""
     return (
         LostSteps(),
         TransmissionRipple(),
         Backlash(),
         Friction(),
         Slack(),
-        Compliance(),
+        Compliance("wire"),
+        Compliance("joint"),
         Creep(),
-        TensionLoss("travel"),
-        TensionLoss("time"),
+        TensionLoss(),
         Gravity(),
         Contact("upper"),
         Contact("lower"),
@@ -58,13 +58,27 @@ def terms(other_commands: Iterable[str] = ()) -> tuple[Term, ...]:
         Drift("linear"),
         Drift("cycle"),
         Drift("exponential"),
-        Drift("wave"),
     )
+
+
+def richer(term: Term) -> tuple[Term, ...]:
+    """Forms of a term that hold more of the real thing; their first parameters are the same."""
+    if isinstance(term, Coupling) and not term.before_curve:
+        return (Coupling(term.other, by_wire=True),)
+    others: dict[tuple[str, str], tuple[Term, ...]] = {
+        ("transmission_ripple", "first"): (TransmissionRipple("second"),),
+        ("friction", "symmetric"): (Friction("asymmetric"),),
+        ("creep", "one"): (Creep("two"),),
+        ("tension_loss", "linear"): (TensionLoss("late"), TensionLoss("settling")),
+        ("frame_lag", "time"): (FrameLag("frames"),),
+    }
+    return others.get((term.name, term.form), ())
 
 
 def term(name: str, form: str = "", other_commands: Iterable[str] = ()) -> Term:
     """The term of a name (and form); TermError names those that exist."""
-    found = terms(other_commands)
+    found = [t for first in terms(other_commands) for t in (first, *richer(first))]
+    found.append(Drift("wave"))
     for candidate in found:
         if candidate.name == name and form in ("", candidate.form):
             return candidate

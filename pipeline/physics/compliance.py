@@ -8,28 +8,43 @@ from pipeline.physics.term import Parameter, Surroundings, Term
 
 
 class Compliance(Term):
-    """Stretch under the joint's own stiffness: stretch * theta + hardening * theta^3 in the balance.
+    """Stretch of the wire under the joint's own stiffness, in the balance.
 
-    stretch [1] is the joint's stiffness over the wire's, hardening [1/angle unit^2] the growth of
-    the joint's stiffness with its angle. Source: two springs in series, one of Duffing's form.
+    stretch * theta + toe * tanh(theta / reach): a wire that is soft while it is loose and hardens
+    with its tension (form "wire"), or stretch * theta + hardening * theta^3: a joint that hardens
+    with its angle (form "joint"). stretch [1] is the joint's stiffness over the wire's. Source: two
+    springs in series; toe region of wire ropes, Feyrer, Wire Ropes (2015), section 2.3; Duffing.
     """
 
     name = "compliance"
     site = "transmission"
     in_balance = True
-    says = "The wire stretches under the joint's stiffness, so that it moves less the further it bends."
+    group = "bend"
+    says = "The wire stretches under the joint's stiffness, and hardens: it moves less than commanded."
+
+    def __init__(self, form: str = "wire") -> None:
+        self.form = form
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
-        half = 0.5 * around.angle_span
-        unit = f"1/{around.angle_unit}^2"
+        half, unit = 0.5 * around.angle_span, around.angle_unit
+        stretch = Parameter("stretch", "", 0.0, 2.0, 0.02, 0.1)
+        if self.form == "joint":
+            hard = 0.1 / half**2
+            return (Parameter("hardening", f"1/{unit}^2", 0.0, 30 * hard, hard, hard), stretch)
         return (
-            Parameter("hardening", unit, 0.0, 3.0 / half**2, 0.1 / half**2, 0.1 / half**2),
-            Parameter("stretch", "", 0.0, 2.0, 0.02, 0.1),
+            Parameter("toe", unit, 0.0, half, 0.05 * half, 0.05 * half),
+            Parameter("reach", unit, 0.01 * half, 2.0 * half, 0.2 * half, 0.2 * half),
+            stretch,
         )
 
     def load(self, values: np.ndarray) -> Load:
-        return Load(smooth=(float(values[1]), float(values[0]), 0.0, 0.0))
+        if self.form == "joint":
+            return Load(smooth=(float(values[1]), float(values[0]), 0.0, 0.0, 0.0, 0.0))
+        toe, reach, stretch = (float(v) for v in values)
+        return Load(smooth=(stretch, 0.0, 0.0, 0.0, toe, reach))
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
         half = 0.5 * around.angle_span
-        return np.array([[h / half**2, s] for h in (0.03, 0.3) for s in (0.0, 0.2)])
+        if self.form == "joint":
+            return np.array([[h / half**2, s] for h in (0.03, 0.3) for s in (0.0, 0.2)])
+        return np.array([[0.02 * half, r * half, 0.0] for r in (0.05, 0.12, 0.25, 0.5)])

@@ -28,6 +28,9 @@ class Friction(Term):
         "and gives way gradually over the first {reach} of motion."
     )
 
+    def __init__(self, form: str = "symmetric") -> None:
+        self.form = form
+
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
         span, unit = around.angle_span, around.angle_unit
         own = (

@@ -17,6 +17,7 @@ class Gravity(Term):
     name = "gravity"
     site = "body"
     in_balance = True
+    group = "bend"
     says = "Its own weight bends it by up to {deflection}, depending on how it hangs."
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
@@ -27,7 +28,7 @@ class Gravity(Term):
         )
 
     def load(self, values: np.ndarray) -> Load:
-        return Load(smooth=(0.0, 0.0, float(values[0]), float(values[1])))
+        return Load(smooth=(0.0, 0.0, float(values[0]), float(values[1]), 0.0, 0.0))
 
     def scaled(self, values: np.ndarray, factor: float) -> np.ndarray:
         out = super().scaled(values, abs(factor))

@@ -15,6 +15,7 @@ class LensDistortion(Term):
 
     name = "lens_distortion"
     site = "sensor"
+    group = "bend"
     says = "The lens bends the image, so that the error grows towards its edge."
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:

@@ -11,13 +11,13 @@ from pipeline.physics.motion import Motion
 from pipeline.physics.term import Term
 
 ORDER = (
+    "coupling",
     "lost_steps",
     "transmission_ripple",
     "creep",
     "backlash",
     "tension_loss",
     "slack",
-    "coupling",
     "response_lag",
     "frame_lag",
     "camera_tilt",

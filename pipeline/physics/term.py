@@ -48,6 +48,7 @@ class Surroundings:
     start_s: float = 0.0
     end_s: float = 5400.0
     cycles: int = 9
+    travel: float = 2160.0
     drive_unit: str = "deg"
     angle_unit: str = "deg"
     other_span: Mapping[str, float] = field(default_factory=dict)
@@ -64,7 +65,7 @@ class Term:
 
     name: ClassVar[str]
     site: ClassVar[str]
-    before_curve: ClassVar[bool] = False
+    before_curve: bool = False
     in_balance: ClassVar[bool] = False
     group: ClassVar[str] = ""
     says: ClassVar[str]

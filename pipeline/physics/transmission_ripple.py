@@ -9,6 +9,7 @@ from pipeline.physics.term import NO_STATE, Parameter, Surroundings, Term
 class TransmissionRipple(Term):
     """x = u + a sin(2 pi u / period + phase), in the form "second" with its second harmonic too.
 
+    A period that the drive does not run through at least once and a third is no ripple to be seen.
     Source: kinematic transmission error, e.g. Tuttle and Seering, IEEE Trans. Robotics and
     Automation 12(3) (1996) 368.
     """
@@ -18,11 +19,14 @@ class TransmissionRipple(Term):
     before_curve = True
     says = "The drive runs ahead and behind by {amplitude}, again and again every {period} of shaft."
 
+    def __init__(self, form: str = "first") -> None:
+        self.form = form
+
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
         span, unit = around.drive_span, around.drive_unit
         own = (
             Parameter("amplitude", unit, 0.0, 0.3 * span, 0.02 * span, 0.01 * span),
-            Parameter("period", unit, 2.0 * around.step, 4.0 * span, 0.3 * span, 0.0),
+            Parameter("period", unit, 2.0 * around.step, 0.75 * span, 0.3 * span, 0.0),
             Parameter("phase", "rad", -4.0 * np.pi, 4.0 * np.pi, 0.0, 0.0),
         )
         if self.form != "second":
@@ -45,7 +49,7 @@ class TransmissionRipple(Term):
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
         span, amplitude = around.drive_span, 0.002 * around.drive_span
         highest = min(0.25 / max(around.step, 1e-9), 30.0 / span)
-        waves = np.arange(0.75 / span, highest, 0.5 / span)
+        waves = np.arange(1.4 / span, highest, 0.5 / span)
         phases = np.arange(4) * np.pi / 4.0
         rows = [[amplitude, 1.0 / f, p] for f in waves for p in phases]
         if self.form == "second":

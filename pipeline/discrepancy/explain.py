@@ -1,0 +1,80 @@
+"""Explaining one measurement: noise, outliers, and the sets of terms that explain the rest."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from pipeline.discrepancy.choose import Choice, Search, choose
+from pipeline.discrepancy.fit import ground_of
+from pipeline.discrepancy.noise_family import noise_family
+from pipeline.discrepancy.noise_learning import NoisePrior, learn_noise
+from pipeline.discrepancy.outliers import isolated
+from pipeline.discrepancy.problem import Problem
+from pipeline.physics.catalogue import FORCE_TERMS, terms
+from pipeline.physics.term import Term
+from pipeline.recording import reversals_of
+
+MOST_UNSETTLED = 0.1
+ROUNDS = 2
+
+
+@dataclass(frozen=True)
+class Explanation:
+    """choices: the best first. outliers: (n,) mask over the problem's rows. used: rows fitted."""
+
+    problem: Problem
+    prior: NoisePrior
+    search: Search
+    choices: list[Choice]
+    outliers: np.ndarray
+    used: np.ndarray
+
+
+def explain(problem: Problem) -> Explanation:
+    """The sets of terms that explain a problem's training rows.
+
+    Outliers are judged on the residual of the best explanation, so that a sharp corner is none; where
+    that changes them, the choice is made anew.
+    """
+    prior = learn_noise(problem)
+    candidates = excited_terms(problem)
+    settled = settled_rows(problem)
+    outliers = isolated(problem.measured - problem.simulated, problem.train)
+    for _ in range(ROUNDS):
+        used = problem.train & settled & ~outliers
+        search = Search(candidates, noise_family(prior, problem.cycle, used))
+        choices = choose(search, ground_of(problem, prior.model, used))
+        found = isolated(problem.measured - choices[0].fit.predicted, problem.train)
+        same = np.array_equal(found & problem.train, outliers & problem.train)
+        outliers = found
+        if same:
+            break
+    return Explanation(problem, prior, search, choices, outliers, used)
+
+
+def excited_terms(problem: Problem) -> tuple[Term, ...]:
+    """Terms that these commands could have shown; outliers are found otherwise."""
+    return tuple(
+        t
+        for t in terms(problem.motion.others)
+        if t.excited(problem.motion, problem.around) and t.name != "marker_outliers"
+    )
+
+
+def not_excited(problem: Problem) -> tuple[str, ...]:
+    """Names of the catalogue that this recording could not have shown."""
+    every = {t.name for t in terms(problem.motion.others)} | {"coupling"}
+    shown = {t.name for t in excited_terms(problem)} | {"marker_outliers"}
+    return tuple(sorted((every - shown) | set(FORCE_TERMS)))
+
+
+def settled_rows(problem: Problem) -> np.ndarray:
+    """Rows from the first reversal on: before it, the mechanism may remember an earlier motion.
+
+    All rows where that would cost more than a tenth of them.
+    """
+    out = np.ones(len(problem.motion), dtype=bool)
+    turns = reversals_of(problem.motion.drive)
+    if len(turns) and turns[0] < MOST_UNSETTLED * len(out):
+        out[: turns[0]] = False
+    return out
