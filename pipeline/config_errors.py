@@ -15,10 +15,15 @@ def explain(error: BaseException) -> str:
     key = _key_of(chain)
     override = getattr(error, "override", None)
     where = f"configuration, {override!r}" if override else "configuration"
-    message = f"{where}: {str(error).strip()}"
+    message = f"{where}: {_without_schemas(str(error).strip())}"
     if str(text).splitlines()[0] not in message:
         message += f"\n{text}"
     return message if key is None else f"{message}\n{_what_it_may_be(key)}"
+
+
+def _without_schemas(text: str) -> str:
+    """Hydra lists the schemas beside the choices that they are of; nobody can choose one."""
+    return "\n".join(line for line in text.splitlines() if not line.strip().startswith("schema_"))
 
 
 def _causes(error: BaseException) -> typing.Iterator[BaseException]:

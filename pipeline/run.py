@@ -1,6 +1,7 @@
 """One run: its stages in order, each fed from the run's folder and leaving its results there."""
 
 import json
+import sys
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -57,9 +58,7 @@ class Run:
         else:
             folders = sorted(self.find("vision", "vision").iterdir())
         recordings = [load_recording(folder) for folder in folders]
-        found = {
-            axis: recording for recording in recordings for axis in measured_axes(recording)
-        }
+        found = {axis: recording for recording in recordings for axis in measured_axes(recording)}
         if not found:
             raise UsageError(
                 refusal(str(folders[0]), "channels <axis>_command_deg and <axis>_angle_deg",
@@ -88,7 +87,7 @@ def run_stages(config: Config, folder: Path) -> None:
         RUNNERS[stage](run)
         print(f"[{number}/{len(config.stages)}] {stage}: {time.monotonic() - began_s:.1f} s",
               flush=True)  # fmt: skip
-    print(f"results: {folder}", flush=True)
+    print(f"everything is in {folder}", flush=True)
 
 
 def measured_axes(recording: Recording) -> list[str]:
@@ -230,10 +229,10 @@ def run_evaluation(run: Run) -> None:
     folder = _made(run.folder / "evaluation")
     write_atomically(folder / "metrics.csv", evaluation.metrics.to_csv(index=False))
     write_table(evaluation.table, folder, "table")
-    print(plain(evaluation.table))
+    print(f"\nErrors of the models and of the robot that follows them:\n{plain(evaluation.table)}")
     if landings:
         write_table(evaluation.closed_loop, folder, "closed_loop")
-        print(plain(evaluation.closed_loop))
+        print(f"\nThe commands on the robot:\n{plain(evaluation.closed_loop)}")
     for axis, methods in landings.items():
         for method, landing in methods.items():
             write_atomically(folder / f"landing_{axis}_{method}.csv", landing.to_csv(index=False))
@@ -311,8 +310,8 @@ def run_review(run: Run) -> None:
     }
     pictures = {name: figures.figure_bytes(figure) for name, figure in made.items()}
     write_review(folder / "run.rrd", axes, pictures, _summary(run))
-    print(f"  figures: {folder / 'figures'}\n  rerun recording, open with:  "
-          f"rerun {folder / 'run.rrd'}")  # fmt: skip
+    print(f"  figures: {folder / 'figures'}\n  to look through it all:  "
+          f"{Path(sys.executable).parent / 'rerun'} {folder / 'run.rrd'}")  # fmt: skip
 
 
 def _axis_review(
