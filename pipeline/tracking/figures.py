@@ -288,9 +288,11 @@ def _selection_line(panel: Axes, table: pd.DataFrame, column: str, model: str, k
     marker = MARKERS.get(model, "s")
     colour = COLOURS[model]
     panel.plot(table["k"], values, color=colour, marker=marker, ms=3.5, mfc="white", lw=1.2,
-               label=NAMES[model])  # fmt: skip
+               label=NAMES[model], clip_on=False)  # fmt: skip
     at = (table["k"] == k).to_numpy()
-    panel.plot(table["k"][at], values[at], color=colour, marker=marker, ms=6.5, ls="")
+    panel.plot(
+        table["k"][at], values[at], color=colour, marker=marker, ms=6.5, ls="", clip_on=False
+    )
 
 
 def _dots(method: str) -> dict[str, Any]:

@@ -113,7 +113,7 @@ def blueprint(signals: Mapping[str, Signals], pictures: Sequence[str]) -> rrb.Bl
     loops = rrb.Vertical(
         *(rrb.Horizontal(_loop_view(axis), _picture_view(f"{axis}/loop_picture", f"{axis}: loop"))
           for axis in signals),
-        name="Loops",
+        name="On the loop",
     )  # fmt: skip
     figures = [_picture_view(f"figures/{name}", name.capitalize()) for name in pictures]
     summary = rrb.TextDocumentView(origin="summary", name="Summary")
