@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TypeVar
 
 import pandas as pd
 from tqdm import tqdm
@@ -31,6 +32,7 @@ from pipeline.tracking.tables import plain, write_table
 from pipeline.vision.frames import FrameFolder
 
 TRIAL_SEED = 1000
+T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -70,7 +72,14 @@ class Run:
     def models(self) -> dict[str, LoopModel]:
         """The trained model of every axis."""
         files = sorted(self.find("training", "training").glob("*.json"))
-        return {file.stem: LoopModel.from_json(json.loads(file.read_text())) for file in files}
+        return self.in_order(
+            {file.stem: LoopModel.from_json(json.loads(file.read_text())) for file in files}
+        )
+
+    def in_order(self, by_axis: Mapping[str, T]) -> dict[str, T]:
+        """The axes in the order in which they are recorded, others behind."""
+        known = [axis for axis in self.config.acquisition.axes if axis in by_axis]
+        return {axis: by_axis[axis] for axis in (*known, *sorted(set(by_axis) - set(known)))}
 
     def split(self, recordings: Mapping[str, Recording]) -> tuple[list[int], list[int]]:
         """Training and test cycles, out of those that all recordings have."""
@@ -242,9 +251,8 @@ def _trials(run: Run) -> dict[str, dict[str, pd.DataFrame]]:
     """Each axis and method on the robot: axis -> method -> where it landed (`land`)."""
     parent = _fresh(run.folder / "evaluation", "trial")
     landings: dict[str, dict[str, pd.DataFrame]] = {}
-    files = sorted(run.find("compensation", "compensation").glob("*.csv"))
-    for number, file in enumerate(files):
-        axis = file.stem
+    files = {f.stem: f for f in sorted(run.find("compensation", "compensation").glob("*.csv"))}
+    for number, (axis, file) in enumerate(run.in_order(files).items()):
         table = pd.read_csv(file)
         landings[axis] = {}
         for method, solutions in table.groupby("method", sort=False):
@@ -303,12 +311,14 @@ def run_review(run: Run) -> None:
             "commands": figures.commands_figure(landings),
         }
     folder = _made(run.folder / "review")
-    for name, figure in made.items():
-        figures.save_figure(figure, _made(folder / "figures"), name)
+    saved = {
+        name: figures.save_figure(figure, _made(folder / "figures"), name)
+        for name, figure in made.items()
+    }
     axes = {
         axis: _axis_review(run, axis, recordings[axis], everything[axis]) for axis in recordings
     }
-    pictures = {name: figures.figure_bytes(figure) for name, figure in made.items()}
+    pictures = {name: paths[0].read_bytes() for name, paths in saved.items()}
     write_review(folder / "run.rrd", axes, pictures, _summary(run))
     print(f"  figures: {folder / 'figures'}\n  to look through it all:  "
           f"{Path(sys.executable).parent / 'rerun'} {folder / 'run.rrd'}")  # fmt: skip
@@ -334,9 +344,9 @@ def _stored_landings(run: Run) -> dict[str, dict[str, pd.DataFrame]]:
     for root in (run.folder, run.earlier):
         files = sorted((root / "evaluation").glob("landing_*_*.csv")) if root else []
         for file in files:
-            axis, method = file.stem.removeprefix("landing_").rsplit("_", 1)
+            axis, method = file.stem.removeprefix("landing_").split("_", 1)
             landings.setdefault(axis, {}).setdefault(method, pd.read_csv(file))
-    return landings
+    return run.in_order(landings)
 
 
 def _summary(run: Run) -> str:

@@ -13,7 +13,6 @@ from pipeline.control.trial import trial_path
 from pipeline.models.loop_model import LoopModel
 
 CORRECTED = "corrected"
-METHODS = ("compensated", "nominal")
 
 
 def compensate(
@@ -31,15 +30,16 @@ def command_table(
 
     Columns: method, target_deg, command_deg, model_deg (the model's angle at that command),
     direction (+1 ascending), status, iterations. `compensated` is searched on the loop's branches
-    by `config.algorithm`, `nominal` on the one curve that knows no hysteresis. Both start at home.
+    (a reading of the printed algorithm stands under its own name), `nominal` on the one curve that
+    knows no hysteresis. Both start at home.
     """
     targets = [float(target) for target in targets_deg]
     if config.algorithm == CORRECTED:
-        compensated = follow(loop_branches(model), targets, config)
+        method, solutions = "compensated", follow(loop_branches(model), targets, config)
     else:
-        compensated = follow_as_printed(model, targets, config)
+        method, solutions = config.algorithm, follow_as_printed(model, targets, config)
     nominal = follow(nominal_branches(model), targets, config)
-    return pd.concat([_rows("compensated", compensated), _rows("nominal", nominal)],
+    return pd.concat([_rows(method, solutions), _rows("nominal", nominal)],
                      ignore_index=True)  # fmt: skip
 
 
