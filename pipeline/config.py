@@ -208,6 +208,29 @@ class EvaluationConfig:
 
 
 @dataclass
+class SimulatedAxis:
+    """A mechanism as simulation: angle = gain command - cubic command^3, then physics by name."""
+
+    command: str = MISSING
+    gain: float = 1.0
+    cubic: float = 0.0
+    terms: dict[str, dict[str, float]] = field(default_factory=dict)
+
+
+@dataclass
+class SimulationConfig:
+    """What simulates a measurement that has no simulation channel.
+
+    `kind` is `recorded` (nothing else), `mechanism` (`axes`: measurement -> mechanism) or `python`
+    (`function`, module:function, takes the table of commands and returns an array).
+    """
+
+    kind: str = "recorded"
+    function: str | None = None
+    axes: dict[str, SimulatedAxis] = field(default_factory=dict)
+
+
+@dataclass
 class ToleranceConfig:
     """How far the simulation's gain, offset [unit] and curve [unit] are trusted."""
 
@@ -242,6 +265,7 @@ class Config:
     training: TrainingConfig = field(default_factory=TrainingConfig)
     compensation: CompensationConfig = field(default_factory=CompensationConfig)
     evaluation: EvaluationConfig = field(default_factory=EvaluationConfig)
+    simulation: SimulationConfig = field(default_factory=SimulationConfig)
     diagnosis: DiagnosisConfig = field(default_factory=DiagnosisConfig)
 
 
@@ -259,6 +283,7 @@ CHOICES: dict[str, tuple[str, ...]] = {
     "camera.kind": ("twin", "v4l2", "folder"),
     "split.kind": ("paper", "leave_three_out", "k_fold", "explicit"),
     "selection.criterion": ("bic", "aic", "heldout"),
+    "simulation.kind": ("recorded", "mechanism", "python"),
 }
 
 

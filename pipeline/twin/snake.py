@@ -8,12 +8,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from pipeline.config import AxisTwin, TwinConfig
-from pipeline.physics.catalogue import term
+from pipeline.physics.assembly import pieces_of
 from pipeline.physics.kinematics import CubicCurve
-from pipeline.physics.mechanism import Mechanism, Piece, State
+from pipeline.physics.mechanism import Mechanism, State
 from pipeline.physics.motion import Motion
 from pipeline.physics.noise import pose_noise
-from pipeline.physics.term import Surroundings, values_of
+from pipeline.physics.term import Surroundings
 
 AXES = ("yaw", "pitch")
 
@@ -34,11 +34,7 @@ def physics_of(axis: str, config: AxisTwin) -> AxisPhysics:
     others = [f"{other}_command_deg" for other in AXES if other != axis]
     around = Surroundings(other_span=dict.fromkeys(others, Surroundings().drive_span))
     named = {"backlash": {"width": 2.0 * config.play_half_width_deg}} | dict(config.terms)
-    pieces = []
-    for key, given in named.items():
-        name, _, form = key.partition("/")
-        physics = term(name, form, others)
-        pieces.append(Piece(physics, values_of(physics, around, given)))
+    pieces = pieces_of(named, around)
     return AxisPhysics(
         Mechanism(
             CubicCurve(config.gain, config.cubic),
