@@ -1,15 +1,14 @@
 """From a drawn case to its recordings and its truth."""
 
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
 
 from pipeline.concealed.draw import Case
-from pipeline.concealed.effects import place
 from pipeline.concealed.motions import RECORDED_CYCLES
 from pipeline.concealed.noise import disturbance, lost, mistaken
-from pipeline.concealed.plant import Plant, respond
+from pipeline.concealed.plant import respond
 from pipeline.recording import Channel, Recording
 
 COMMAND, OTHER = "pitch_command_deg", "yaw_command_deg"

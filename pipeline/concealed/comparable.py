@@ -28,7 +28,7 @@ def comparable(case: Case, hidden: Hidden) -> list[Quantity]:
             return [_quantity("time_constant", number["dashpot_s"] * _free_to_held(size), "s")]
         case "coupling" if number["other_lever_even"] == 0.0:
             return [_quantity("gain", case.nominal.gain * gain * size, "deg/deg")]
-        case "frame_lag":
+        case "frame_lag" if "stale_s" in number:
             return [_quantity("lag", size, "s")]
         case "drift" if settings["wander_kind"] == "linear":
             return [_quantity("total", number["wander_deg"] * size * gain, "deg")]

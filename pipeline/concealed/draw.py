@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from pipeline.concealed.beyond import left_over
 from pipeline.concealed.effects import CATALOGUE, Effect, outside_effect, place
 from pipeline.concealed.motions import (
     RECORDED_CYCLES,
@@ -15,23 +16,24 @@ from pipeline.concealed.motions import (
 from pipeline.concealed.noise import Noise
 from pipeline.concealed.outside import OUTSIDE
 from pipeline.concealed.plant import Nominal, Plant, respond
+from pipeline.concealed.sizing import sized, stands_out
 
 SMALLEST, LARGEST = 0.7, 10.0
 SMALLEST_OUTSIDE = 2.0
-EFFECTS_OF = {"none": 0, "one": 1, "two": 2, "three": 3}
+SMALLEST_BEYOND = 1.0
+SMALLEST_OF_SMALL = 0.03
+EFFECTS_OF = {"none": 0, "one": 1, "two": 2, "three": 3, "small": 1}
 KINDS = (*EFFECTS_OF, "outside")
 EXCITATIONS = ("plain", "rich")
 BENDS = frozenset({"compliance", "gravity", "camera_tilt", "lens_distortion"})
+KINKS = frozenset({"slack", "contact", "end_stop"})
 EXCLUSIVE = (
     BENDS | {"slack"},
-    frozenset({"contact", "end_stop", "slack"}),
+    frozenset({"contact", "end_stop"}),
     frozenset({"backlash", "friction", "tension_loss"}),
     frozenset({"lost_steps", "drift"}),
 )
-EXCLUSIVE_PLAIN = (
-    frozenset({"backlash", "friction", "tension_loss", "creep", "frame_lag"}),
-    BENDS | {"slack", "contact", "end_stop"},
-)
+EXCLUSIVE_PLAIN = (frozenset({"backlash", "friction", "tension_loss", "creep", "frame_lag"}),)
 OUTSIDE_PLAIN = tuple(name for name in OUTSIDE if name != "step_resonance")
 
 
@@ -100,7 +102,7 @@ def _turns(rng: np.random.Generator, wanted: list[tuple[str, str]]) -> list[str 
     for kind, excitation in wanted:
         queue = queues.setdefault((kind, excitation), [])
         if not queue:
-            names = candidates(excitation) if kind != "outside" else _outside_names(excitation)
+            names = _first_names(kind, excitation)
             queue.extend(str(name) for name in rng.permutation(names))
         turns.append(None if kind == "none" else queue.pop())
     return turns
@@ -112,8 +114,10 @@ def candidates(excitation: str) -> list[str]:
     return [name for name in names if excitation == "rich" or name != "coupling"]
 
 
-def _outside_names(excitation: str) -> list[str]:
-    return list(OUTSIDE if excitation == "rich" else OUTSIDE_PLAIN)
+def _first_names(kind: str, excitation: str) -> list[str]:
+    if kind == "outside":
+        return list(OUTSIDE if excitation == "rich" else OUTSIDE_PLAIN)
+    return [n for n in candidates(excitation) if kind != "small" or n != "marker_outliers"]
 
 
 def draw_case(seed: int, name: str, kind: str, excitation: str, first: str | None) -> Case:
@@ -134,21 +138,21 @@ def _try_case(rng: np.random.Generator, seed: int, name: str, kind: str, excitat
     names = _names(rng, kind, excitation, first)
     noise = _noise(rng, walk=kind == "none" and rng.random() < 0.25)
     total = float(np.hypot(noise.sigma_deg, noise.jitter_deg))
+    bend, tolerance = _bend(rng, kind, set(names))
     hidden: list[Hidden] = []
     for effect_name in names:
-        outside = effect_name in OUTSIDE
-        least = SMALLEST_OUTSIDE if outside else SMALLEST
-        size = float(np.exp(rng.uniform(np.log(least), np.log(LARGEST))))
+        least, most = (total * bound for bound in _bounds(kind, effect_name))
         if effect_name == "marker_outliers":
-            noise = _mistakes(rng, noise, size * total)
-            hidden.append(Hidden(Effect("marker_outliers", {}, (), 1.0), 1.0, size, size))
+            rms = float(np.exp(rng.uniform(np.log(least), np.log(most))))
+            noise = with_mistakes(rng, noise, rms)
+            hidden.append(Hidden(Effect(effect_name, {}, (), 1.0), 1.0, rms / total, rms / total))
             continue
         effect = _effect(rng, motion, plant, effect_name)
-        found = sized(effect, plant, motion.head(RECORDED_CYCLES), size * total)
+        bends = _curve_is_free(effect_name, set(names), tolerance)
+        found = sized(effect, plant, motion.head(RECORDED_CYCLES), least, most, bends, rng)
         if found is None:
             return None
         hidden.append(Hidden(effect, found[0], found[1] / total, found[1] / total))
-    bend, tolerance = _bend(rng, set(names), excitation)
     case = Case(
         name=name, kind=kind, excitation=excitation, motion=motion, nominal=nominal,
         hidden=tuple(hidden), noise=noise, gain_error=float(rng.uniform(-0.035, 0.035)),
@@ -156,9 +160,32 @@ def _try_case(rng: np.random.Generator, seed: int, name: str, kind: str, excitat
         homing_deg=homing, seed=seed,
     )  # fmt: skip
     case = _beside(case, total)
-    if any(h.beside_over_noise < SMALLEST for h in case.hidden):
+    if kind != "small" and any(h.beside_over_noise < SMALLEST for h in case.hidden):
+        return None
+    if kind == "outside" and _beyond_over_noise(case, total) < SMALLEST_BEYOND:
         return None
     return case
+
+
+def _beyond_over_noise(case: Case, total: float) -> float:
+    """What is left of the outside effect when catalogue effects have had their share."""
+    motion = case.motion.head(RECORDED_CYCLES)
+    inside = replace(case, hidden=tuple(h for h in case.hidden if h.effect.name not in OUTSIDE))
+    change = respond(case.plant(), motion) - respond(inside.plant(), motion)
+    rng = np.random.default_rng([case.seed, 2])
+    return left_over(change, Plant(nominal=case.nominal), motion, rng) / total
+
+
+def _curve_is_free(name: str, names: set[str], tolerance_deg: float) -> bool:
+    """Whether a smooth curve is fitted beside the effect: declared, or bent by another one."""
+    return tolerance_deg > 0 or (name in KINKS and bool(names & BENDS))
+
+
+def _bounds(kind: str, name: str) -> tuple[float, float]:
+    """Smallest and largest size over the noise."""
+    if name in OUTSIDE:
+        return SMALLEST_OUTSIDE, LARGEST
+    return (SMALLEST_OF_SMALL, SMALLEST) if kind == "small" else (SMALLEST, LARGEST)
 
 
 def _names(rng: np.random.Generator, kind: str, excitation: str, first: str | None) -> list[str]:
@@ -181,31 +208,6 @@ def _effect(rng: np.random.Generator, motion: Motion, plant: Plant, name: str) -
     return CATALOGUE[name](rng, motion, plant)
 
 
-def sized(
-    effect: Effect, plant: Plant, motion: Motion, rms_deg: float
-) -> tuple[float, float] | None:
-    """Size at which the effect stands out by `rms_deg`, and the rms reached; None if it can't."""
-    before = respond(plant, motion)
-    simulated = plant.nominal.angle_deg(motion.pitch_deg)
-    size = 0.02 * effect.largest
-    for _ in range(12):
-        found = stands_out(respond(place(plant, effect, size), motion) - before, simulated)
-        if abs(found / rms_deg - 1.0) < 0.03:
-            return size, found
-        change = float(np.clip((rms_deg / max(found, 1e-9)) ** 0.9, 0.1, 6.0))
-        if size >= effect.largest and change > 1.0:
-            return None
-        size = min(size * change, effect.largest)
-    return (size, found) if abs(found / rms_deg - 1.0) < 0.2 else None
-
-
-def stands_out(change: np.ndarray, simulated: np.ndarray) -> float:
-    """rms of a change of the angle after gain and offset are refitted; both (n,)."""
-    columns = np.column_stack([np.ones(len(simulated)), simulated])
-    rest = change - columns @ np.linalg.lstsq(columns, change, rcond=None)[0]
-    return float(np.sqrt(np.mean(rest**2)))
-
-
 def _beside(case: Case, total: float) -> Case:
     """The case with `beside_over_noise` found for each effect."""
     motion = case.motion.head(RECORDED_CYCLES)
@@ -217,7 +219,9 @@ def _beside(case: Case, total: float) -> Case:
             hidden.append(h)
             continue
         others = replace(case, hidden=tuple(o for o in case.hidden if o is not h))
-        beside = stands_out(whole - respond(others.plant(), motion), simulated) / total
+        names = {o.effect.name for o in case.hidden}
+        bends = _curve_is_free(h.effect.name, names, case.tolerance_shape_deg)
+        beside = stands_out(whole - respond(others.plant(), motion), simulated, bends) / total
         hidden.append(replace(h, beside_over_noise=beside))
     return replace(case, hidden=tuple(hidden))
 
@@ -235,7 +239,7 @@ def _noise(rng: np.random.Generator, walk: bool) -> Noise:
     )
 
 
-def _mistakes(rng: np.random.Generator, noise: Noise, rms_deg: float) -> Noise:
+def with_mistakes(rng: np.random.Generator, noise: Noise, rms_deg: float) -> Noise:
     """Few mistaken frames, each at least six deviations off, of that rms together."""
     least = 6.0 * noise.sigma_deg
     share = min(float(rng.uniform(0.004, 0.02)), (rms_deg / least) ** 2)
@@ -246,10 +250,10 @@ def _mistakes(rng: np.random.Generator, noise: Noise, rms_deg: float) -> Noise:
 
 
 def _bend(
-    rng: np.random.Generator, names: set[str], excitation: str
+    rng: np.random.Generator, kind: str, names: set[str]
 ) -> tuple[tuple[float, float, float], float]:
     """A smooth error of the simulated curve in a quarter of the cases, and what to declare."""
-    if rng.random() < 0.75 or names & (BENDS | {"slack"}) or names & set(OUTSIDE):
+    if rng.random() < 0.75 or names & (BENDS | {"slack"}) or kind == "outside":
         return (0.0, 0.0, 0.0), 0.0
     weights = rng.standard_normal(3)
     size = float(rng.uniform(0.05, 0.3))

@@ -19,15 +19,20 @@ WHOLE_TORQUE = 2 * WIRE_STIFFNESS
 
 @dataclass(frozen=True)
 class Effect:
-    """One hidden effect: settings of the plant's parts, and the settings that its size scales.
+    """One hidden effect: settings of the plant's parts, and those that its size multiplies.
 
-    `scaled` are multiplied by the size; `from_top` (end stops) is the reach minus the size.
+    A stop's size is how far it stands before the farthest angle. Sizes go from 0 to `largest`.
     """
 
     name: str
     settings: Settings
     scaled: tuple[str, ...]
     largest: float
+
+    @property
+    def fixed(self) -> bool:
+        """Whether it comes in one size only."""
+        return not self.scaled and "stop_reach_deg" not in self.settings
 
 
 def place(plant: Plant, effect: Effect, size: float) -> Plant:
@@ -94,10 +99,10 @@ def compliance(rng: np.random.Generator, motion: Motion, plant: Plant) -> Effect
     settings: Settings = {
         "pretension_deg": 0.0,
         "wire_softness": 1.0,
-        "toe_share": float(rng.uniform(0.15, 0.5)),
-        "toe_deg": float(rng.uniform(3.0, 12.0)),
+        "toe_share": float(rng.uniform(0.1, 0.4)),
+        "toe_deg": float(rng.uniform(4.0, 14.0)),
     }
-    return Effect("compliance", settings, ("wire_softness",), 15.0)
+    return Effect("compliance", settings, ("wire_softness",), 5.0)
 
 
 def creep(rng: np.random.Generator, motion: Motion, plant: Plant) -> Effect:
@@ -180,6 +185,9 @@ def lens_distortion(rng: np.random.Generator, motion: Motion, plant: Plant) -> E
 
 
 def frame_lag(rng: np.random.Generator, motion: Motion, plant: Plant) -> Effect:
+    """Frames late by a time, on a shaft that moves slowly all the while, or by whole frames."""
+    if rng.random() < 0.35:
+        return Effect("frame_lag", {"stale_frames": int(rng.integers(1, 3))}, (), 1.0)
     return Effect("frame_lag", {"stale_s": 1.0}, ("stale_s",), 12.0)
 
 
@@ -203,10 +211,10 @@ def outside_effect(rng: np.random.Generator, motion: Motion, name: str) -> Effec
             "period_s": cycle_s * float(rng.uniform(1.3, 3.2)),
             "phase": float(rng.uniform(0, 6.28)),
         },
-        "chaotic_stick": {
+        "sticky_spots": {
             "strength": 1.0,
-            "seed": float(rng.uniform(0.1, 0.9)),
-            "overshoot": float(rng.uniform(0.0, 0.5)),
+            "spots": float(rng.integers(1, 10**6)),
+            "level": float(rng.uniform(0.1, 0.9)),
         },
         "snap_through": {
             "strength": float(rng.choice([-1.0, 1.0])),

@@ -60,8 +60,15 @@ def _stands_for(named: Entry, effect: Entry) -> bool:
     return named["name"] in effect["rivals"] and effect["name"] in named.get("alternatives", [])
 
 
-def outcome(case: str, truth: Truth, diagnosis: Entry, predictions: pd.DataFrame | None,
-            measured_deg: np.ndarray, cycle: np.ndarray, seconds: float) -> dict[str, Any]:  # fmt: skip
+def outcome(
+    case: str,
+    truth: Truth,
+    diagnosis: Entry,
+    predictions: pd.DataFrame | None,
+    measured_deg: np.ndarray,
+    cycle: np.ndarray,
+    seconds: float,
+) -> dict[str, Any]:
     """One row of the outcomes: what was hidden, what was said, whether it's right, how it fits.
 
     `measured_deg` and `cycle` (n,) are the recording's with its later cycles; so are the rows of

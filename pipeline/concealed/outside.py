@@ -15,16 +15,19 @@ def thermal_gain(motion: Motion, joint: np.ndarray, p: Parameters) -> np.ndarray
     return np.asarray(joint * (1.0 + p["strength"] * swing))
 
 
-def chaotic_stick(motion: Motion, joint: np.ndarray, p: Parameters) -> np.ndarray:
-    """The joint sticks and breaks loose at levels that follow a chaotic map, then overshoots."""
-    out = np.empty_like(joint)
-    stuck, level = joint[0], p["seed"]
-    for i, target in enumerate(joint):
-        reach = p["strength"] * (0.2 + 2.0 * level)
-        if abs(target - stuck) > reach:
-            stuck = target + p["overshoot"] * reach * np.sign(target - stuck)
-            level = 3.99 * level * (1.0 - level)
-        out[i] = stuck
+def sticky_spots(motion: Motion, joint: np.ndarray, p: Parameters) -> np.ndarray:
+    """The joint is caught at some spots, and each time torn off at another, chaotic, distance."""
+    spots = np.cumsum(np.random.default_rng(int(p["spots"])).uniform(4.0, 14.0, 16)) - 70.0
+    out = np.array(joint)
+    caught, level = np.nan, p["level"]
+    for i in range(1, len(joint)):
+        low, high = sorted((joint[i - 1], joint[i]))
+        passed = spots[(spots > low) & (spots <= high)]
+        if abs(joint[i] - caught) > p["strength"] * (0.6 + 0.8 * level):
+            caught = np.nan
+        if np.isnan(caught) and len(passed):
+            caught, level = passed[0], 3.99 * level * (1.0 - level)
+        out[i] = joint[i] if np.isnan(caught) else caught
     return out
 
 
@@ -99,7 +102,7 @@ def step_resonance(motion: Motion, joint: np.ndarray, p: Parameters) -> np.ndarr
 OUTSIDE: dict[str, Callable[[Motion, np.ndarray, Parameters], np.ndarray]] = {
     f.__name__: f
     for f in (
-        thermal_gain, chaotic_stick, snap_through, swing_memory, parity_bump, delayed_echo,
+        thermal_gain, sticky_spots, snap_through, swing_memory, parity_bump, delayed_echo,
         rough_guide, wearing_gain, step_resonance,
     )
 }  # fmt: skip

@@ -7,7 +7,7 @@ import numpy as np
 from pipeline.concealed.camera import Camera, seen_deg
 from pipeline.concealed.motions import MOVE_S, Motion
 from pipeline.concealed.outside import OUTSIDE
-from pipeline.concealed.wires import joint_path
+from pipeline.concealed.wires import CONSTANTS, joint_path
 
 WIRE_STIFFNESS = 20.0
 BRISTLES = 24
@@ -150,15 +150,13 @@ def _dashpots(plant: Plant) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _constants(plant: Plant) -> np.ndarray:
-    """The numbers that `wires.balance` reads, in its order."""
-    return np.array(
-        [
-            WIRE_STIFFNESS / plant.wire_softness, plant.toe_share, plant.toe_deg,
-            plant.pretension_deg, plant.straightening_deg, plant.nominal.gain,
-            plant.nominal.cubic, WIRE_STIFFNESS, plant.capstan,
-            1.0 + plant.sheath_asymmetry, 1.0 - plant.sheath_asymmetry, plant.weight,
-            plant.mounting_rad, plant.pad_stiffness, plant.pad_deg, plant.pad_skin_deg,
-            plant.pad_side, plant.stop_stiffness, plant.stop_high_deg, plant.stop_low_deg,
-            plant.stop_skin_deg,
-        ]
-    )  # fmt: skip
+    """The numbers that `wires.balance` reads, as `wires.CONSTANTS` orders them."""
+    derived = {
+        "wire_stiffness": WIRE_STIFFNESS / plant.wire_softness,
+        "nominal_wire_stiffness": WIRE_STIFFNESS,
+        "gain": plant.nominal.gain,
+        "cubic": plant.nominal.cubic,
+        "grip_up": 1.0 + plant.sheath_asymmetry,
+        "grip_down": 1.0 - plant.sheath_asymmetry,
+    }
+    return np.array([derived.get(n, getattr(plant, n, 0.0)) for n in CONSTANTS], dtype=float)

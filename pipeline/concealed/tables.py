@@ -1,5 +1,7 @@
 """The benchmark's tables, from the rows of its cases."""
 
+from itertools import pairwise
+
 import numpy as np
 import pandas as pd
 
@@ -103,7 +105,7 @@ def calibration_table(terms: pd.DataFrame) -> pd.DataFrame:
     """Stated probability against the share that was right, in bins of the probability."""
     stated = terms[terms["named"] != "(nothing)"] if len(terms) else terms
     rows = []
-    for low, high in zip(PROBABILITY_BINS[:-1], PROBABILITY_BINS[1:], strict=True):
+    for low, high in pairwise(PROBABILITY_BINS):
         if not len(stated):
             break
         within = (stated["probability"] > low) & (stated["probability"] <= high)
@@ -124,7 +126,7 @@ def calibration_table(terms: pd.DataFrame) -> pd.DataFrame:
 def smallest_table(terms: pd.DataFrame) -> pd.DataFrame:
     """Share of hidden catalogue effects that were found, by their size over the noise."""
     rows = []
-    for low, high in zip(SIZE_BINS[:-1], SIZE_BINS[1:], strict=True):
+    for low, high in pairwise(SIZE_BINS):
         if not len(terms):
             break
         hidden = terms[(terms["hidden"] != "(nothing)") & (terms["kind"] != "outside")]

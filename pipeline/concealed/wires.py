@@ -3,40 +3,51 @@
 At every substep the joint stands where all torques balance; what remembers are the drum in its
 clearance, the bristles of the sheath (each sticks until its torque reaches a threshold), the
 dashpots of the body and the wear of the clearance. Torques are in units of the joint's bending
-stiffness times a degree.
+stiffness times a degree. The joint is searched for by its uptake q, the drum angle at which it
+stands in the ideal plant: joint = gain q + cubic q^3.
 """
 
 import numpy as np
 from numba import njit
 
-MOVE_SUBSTEPS = 4
+MOVE_SUBSTEPS = 2
 DWELL_SHARES = np.array([0.02, 0.08, 0.25, 0.65])
 BENDING_STIFFNESS = 1.0
-NEWTON_STEPS = 40
-ANGLE_TOLERANCE_DEG = 1e-9
+NEWTON_STEPS = 60
+TOLERANCE_DEG = 1e-8
+REACH_DEG = 40.0
+CONSTANTS = (
+    "wire_stiffness", "toe_share", "toe_deg", "pretension_deg", "straightening_deg", "gain",
+    "cubic", "nominal_wire_stiffness", "capstan", "grip_up", "grip_down", "weight", "mounting_rad",
+    "pad_stiffness", "pad_deg", "pad_skin_deg", "pad_side", "stop_stiffness", "stop_high_deg",
+    "stop_low_deg", "stop_skin_deg",
+)  # fmt: skip
+(WIRE, TOE_SHARE, TOE, PRETENSION, STRAIGHTENING, GAIN, CUBIC, NOMINAL_WIRE, CAPSTAN, GRIP_UP,
+ GRIP_DOWN, WEIGHT, MOUNTING, PAD, PAD_AT, PAD_SKIN, PAD_SIDE, STOP, STOP_HIGH, STOP_LOW,
+ STOP_SKIN) = range(len(CONSTANTS))  # fmt: skip
+CAPSTAN_DEG = 45.0
 
 
 @njit(cache=True)
-def tension(elongation: float, stiffness: float, toe_share: float, toe_deg: float,
-            round_deg: float) -> tuple[float, float]:  # fmt: skip
+def tension(elongation: float, c: np.ndarray) -> tuple[float, float]:
     """Tension of one wire and its slope; none while slack, soft at first where it has a toe."""
     x, dx = elongation, 1.0
-    if round_deg > 0.0:
-        z = elongation / round_deg
+    if c[STRAIGHTENING] > 0.0:
+        z = elongation / c[STRAIGHTENING]
         if z < 30.0:
-            x = round_deg * np.log1p(np.exp(z))
+            x = c[STRAIGHTENING] * np.log1p(np.exp(z))
             dx = 1.0 / (1.0 + np.exp(-z))
     elif x <= 0.0:
         return 0.0, 0.0
-    if toe_deg <= 0.0:
-        return stiffness * x, stiffness * dx
-    fade = np.exp(-x / toe_deg)
-    force = stiffness * (x - (1.0 - toe_share) * toe_deg * (1.0 - fade))
-    return force, stiffness * (1.0 - (1.0 - toe_share) * fade) * dx
+    if c[TOE] <= 0.0:
+        return c[WIRE] * x, c[WIRE] * dx
+    soft = 1.0 - c[TOE_SHARE]
+    fade = np.exp(-x / c[TOE])
+    return c[WIRE] * (x - soft * c[TOE] * (1.0 - fade)), c[WIRE] * (1.0 - soft * fade) * dx
 
 
 @njit(cache=True)
-def pad(depth: float, skin_deg: float) -> tuple[float, float]:
+def indentation(depth: float, skin_deg: float) -> tuple[float, float]:
     """Indentation (and its slope) of a pad that starts soft over `skin_deg`."""
     if depth <= 0.0:
         return 0.0, 0.0
@@ -46,21 +57,13 @@ def pad(depth: float, skin_deg: float) -> tuple[float, float]:
 
 
 @njit(cache=True)
-def uptake(joint: float, gain: float, cubic: float) -> tuple[float, float]:
-    """Drum angle q with gain q + cubic q^3 = joint, and its slope."""
-    q = joint / gain
-    for _ in range(6):
-        q -= (gain * q + cubic * q * q * q - joint) / (gain + 3.0 * cubic * q * q)
-    return q, 1.0 / (gain + 3.0 * cubic * q * q)
-
-
-@njit(cache=True)
-def bristle_torque(joint: float, last: float, held: np.ndarray, reach: np.ndarray,
-                   stiffness: np.ndarray, up: float, down: float) -> tuple[float, float]:  # fmt: skip
-    """Torque of the bristles against the joint if it went from `last` to `joint`, and its slope."""
+def rubbing(moved: float, grip: float, c: np.ndarray, held: np.ndarray, reach: np.ndarray,
+            stiffness: np.ndarray) -> tuple[float, float]:  # fmt: skip
+    """Torque of the bristles on a joint that has moved by `moved`, and its slope."""
     torque, slope = 0.0, 0.0
+    up, down = c[GRIP_UP] * grip, c[GRIP_DOWN] * grip
     for i in range(len(held)):
-        z = held[i] + joint - last
+        z = held[i] + moved
         if z > reach[i] * up:
             torque += stiffness[i] * reach[i] * up
         elif z < -reach[i] * down:
@@ -72,64 +75,70 @@ def bristle_torque(joint: float, last: float, held: np.ndarray, reach: np.ndarra
 
 
 @njit(cache=True)
-def balance(drum: float, joint: float, last: float, outer: float, c: np.ndarray,
-            held: np.ndarray, reach: np.ndarray, stiffness: np.ndarray,
-            dashpot: np.ndarray, dashpot_k: np.ndarray, shrink: np.ndarray) -> tuple[float, float]:  # fmt: skip
-    """Sum of the torques on the joint and its slope (never positive but for gravity)."""
-    wire, toe_share, toe_deg, pretension, round_deg, gain, cubic, nominal_wire = c[:8]
-    q, dq = uptake(joint, gain, cubic)
-    back = BENDING_STIFFNESS / (2.0 * nominal_wire)
-    e = drum - q + back * joint
-    de = -dq + back
-    t1, k1 = tension(pretension + e, wire, toe_share, toe_deg, round_deg)
-    t2, k2 = tension(pretension - e, wire, toe_share, toe_deg, round_deg)
-    torque = t1 - t2 - BENDING_STIFFNESS * joint + outer
-    slope = (k1 + k2) * de - BENDING_STIFFNESS
-    grip = 1.0 + c[8] * abs(joint) / 45.0
-    rubbing, ds = bristle_torque(joint, last, held, reach, stiffness, c[9] * grip, c[10] * grip)
-    torque -= rubbing
-    slope -= ds
-    for m in range(len(dashpot)):
-        torque -= dashpot_k[m] * (joint - dashpot[m]) * shrink[m]
-        slope -= dashpot_k[m] * shrink[m]
-    torque += c[11] * (np.sin(np.deg2rad(joint) + c[12]) - np.sin(c[12]))
-    slope += c[11] * np.cos(np.deg2rad(joint) + c[12]) * np.pi / 180.0
-    side = c[16]
-    depth, dd = pad(side * joint - c[14], c[15])
-    torque -= side * c[13] * depth
-    slope -= c[13] * dd
-    depth, dd = pad(joint - c[18], c[20])
-    torque -= c[17] * depth
-    slope -= c[17] * dd
-    depth, dd = pad(-joint - c[19], c[20])
-    torque += c[17] * depth
-    slope -= c[17] * dd
+def obstacles(joint: float, c: np.ndarray) -> tuple[float, float]:
+    """Torque of pad and stops on the joint, and its slope."""
+    torque, slope = 0.0, 0.0
+    if c[PAD] > 0.0:
+        depth, dd = indentation(c[PAD_SIDE] * joint - c[PAD_AT], c[PAD_SKIN])
+        torque -= c[PAD_SIDE] * c[PAD] * depth
+        slope -= c[PAD] * dd
+    if c[STOP] > 0.0:
+        high, dh = indentation(joint - c[STOP_HIGH], c[STOP_SKIN])
+        low, dl = indentation(-joint - c[STOP_LOW], c[STOP_SKIN])
+        torque += c[STOP] * (low - high)
+        slope -= c[STOP] * (dl + dh)
     return torque, slope
 
 
 @njit(cache=True)
-def solve_joint(drum: float, last: float, outer: float, c: np.ndarray, held: np.ndarray,
-                reach: np.ndarray, stiffness: np.ndarray, dashpot: np.ndarray,
-                dashpot_k: np.ndarray, shrink: np.ndarray) -> float:  # fmt: skip
-    """Joint angle at which the torques balance: Newton, kept inside a bracket."""
-    low, high = last - 30.0, last + 30.0
-    joint = last
+def balance(uptake: float, drum: float, last: float, outer: float, c: np.ndarray,
+            held: np.ndarray, reach: np.ndarray, stiffness: np.ndarray,
+            branch_torque: float, branch_slope: float) -> tuple[float, float]:  # fmt: skip
+    """Sum of the torques on the joint, and its slope over the uptake.
+
+    The dashpot branches pull with `branch_torque - branch_slope * joint`.
+    """
+    joint = c[GAIN] * uptake + c[CUBIC] * uptake**3
+    gain = c[GAIN] + 3.0 * c[CUBIC] * uptake**2
+    back = BENDING_STIFFNESS / (2.0 * c[NOMINAL_WIRE])
+    e = drum - uptake + back * joint
+    t1, k1 = tension(c[PRETENSION] + e, c)
+    t2, k2 = tension(c[PRETENSION] - e, c)
+    torque = t1 - t2 - BENDING_STIFFNESS * joint + outer + branch_torque - branch_slope * joint
+    slope = -BENDING_STIFFNESS - branch_slope
+    if len(held):
+        grip = 1.0 + c[CAPSTAN] * abs(joint) / CAPSTAN_DEG
+        rub, dr = rubbing(joint - last, grip, c, held, reach, stiffness)
+        torque -= rub
+        slope -= dr
+    if c[WEIGHT] != 0.0:
+        pose = np.deg2rad(joint) + c[MOUNTING]
+        torque += c[WEIGHT] * (np.sin(pose) - np.sin(c[MOUNTING]))
+        slope += c[WEIGHT] * np.cos(pose) * np.pi / 180.0
+    stop, ds = obstacles(joint, c)
+    return torque + stop, (k1 + k2) * (back * gain - 1.0) + (slope + ds) * gain
+
+
+@njit(cache=True)
+def balanced(start: float, drum: float, last: float, outer: float, c: np.ndarray,
+             held: np.ndarray, reach: np.ndarray, stiffness: np.ndarray,
+             branch_torque: float, branch_slope: float) -> float:  # fmt: skip
+    """Uptake at which the torques balance: Newton from `start`, kept inside a bracket."""
+    low, high = start - REACH_DEG, start + REACH_DEG
+    uptake = start
     for _ in range(NEWTON_STEPS):
         torque, slope = balance(
-            drum, joint, last, outer, c, held, reach, stiffness, dashpot, dashpot_k, shrink
+            uptake, drum, last, outer, c, held, reach, stiffness, branch_torque, branch_slope
         )
+        step = -torque / slope if slope < 0.0 else 2.0 * REACH_DEG
+        if abs(step) < TOLERANCE_DEG:
+            return uptake + step
         if torque > 0.0:
-            low = joint
+            low = uptake
         else:
-            high = joint
-        step = -torque / slope if slope < 0.0 else 0.0
-        nxt = joint + step
-        if slope >= 0.0 or nxt <= low or nxt >= high:
-            nxt = 0.5 * (low + high)
-        if abs(nxt - joint) < ANGLE_TOLERANCE_DEG:
-            return nxt
-        joint = nxt
-    return joint
+            high = uptake
+        uptake = uptake + step if low < uptake + step < high else 0.5 * (low + high)
+    return uptake
 
 
 @njit(cache=True)
@@ -139,40 +148,38 @@ def joint_path(shaft: np.ndarray, outer: np.ndarray, interval_s: np.ndarray, mov
     """Joint angle [deg] at the end of each interval, shape (n,).
 
     `shaft` [deg] and `outer` torque, both (n,), are reached linearly in the first `move_s` of an
-    interval. `clearance` is (half width [deg], growth per degree of travel, travel at which the
-    growth saturates (0: never), travel before it starts).
+    interval. `c` are the CONSTANTS. `clearance` is (half width [deg], growth per degree of
+    travel, travel at which the growth saturates (0: never), travel before it starts).
     """
-    n = len(shaft)
-    out = np.empty(n)
+    out = np.empty(len(shaft))
     held = np.zeros(len(reach))
     dashpot = np.zeros(len(dashpot_k))
-    shrink = np.ones(len(dashpot_k))
-    drum, joint, travel = shaft[0], 0.0, 0.0
+    drum, uptake, joint, travel = shaft[0], shaft[0], 0.0, 0.0
     before, outer_before = shaft[0], outer[0]
     substeps = MOVE_SUBSTEPS + (len(DWELL_SHARES) if len(dashpot_k) else 0)
-    for i in range(n):
+    for i in range(len(shaft)):
         for k in range(substeps):
+            share, dt = 1.0, move_s / MOVE_SUBSTEPS
             if k < MOVE_SUBSTEPS:
-                share, dt = (k + 1.0) / MOVE_SUBSTEPS, move_s / MOVE_SUBSTEPS
-            else:
-                share, dt = 1.0, (interval_s[i] - move_s) * DWELL_SHARES[k - MOVE_SUBSTEPS]
-            theta = before + share * (shaft[i] - before)
-            if k < MOVE_SUBSTEPS:
+                share = (k + 1.0) / MOVE_SUBSTEPS
                 travel += abs(shaft[i] - before) / MOVE_SUBSTEPS
+            else:
+                dt = (interval_s[i] - move_s) * DWELL_SHARES[k - MOVE_SUBSTEPS]
+            theta = before + share * (shaft[i] - before)
             half = worn_half_width(clearance, travel)
             drum = min(max(drum, theta - half), theta + half)
             push = outer_before + share * (outer[i] - outer_before)
-            for m in range(len(dashpot)):
-                shrink[m] = dashpot_s[m] / (dashpot_s[m] + dt)
-            new = solve_joint(
-                drum, joint, push, c, held, reach, stiffness, dashpot, dashpot_k, shrink
-            )
-            grip = 1.0 + c[8] * abs(new) / 45.0
+            branch = dashpot_k * dashpot_s / (dashpot_s + dt)
+            uptake = balanced(
+                uptake, drum, joint, push, c, held, reach, stiffness,
+                (branch * dashpot).sum(), branch.sum(),
+            )  # fmt: skip
+            new = c[GAIN] * uptake + c[CUBIC] * uptake**3
+            grip = 1.0 + c[CAPSTAN] * abs(new) / CAPSTAN_DEG
             for b in range(len(held)):
                 z = held[b] + new - joint
-                held[b] = min(max(z, -reach[b] * c[10] * grip), reach[b] * c[9] * grip)
-            for m in range(len(dashpot)):
-                dashpot[m] = new - (new - dashpot[m]) * shrink[m]
+                held[b] = min(max(z, -reach[b] * c[GRIP_DOWN] * grip), reach[b] * c[GRIP_UP] * grip)
+            dashpot += (new - dashpot) * dt / (dashpot_s + dt)
             joint = new
         before, outer_before = shaft[i], outer[i]
         out[i] = joint
