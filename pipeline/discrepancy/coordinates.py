@@ -1,4 +1,4 @@
-"""The coordinates along which a residual may lie, each as columns that a residual can be fitted to."""
+"""The coordinates along which a residual may lie, each as columns to fit it to."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -135,7 +135,7 @@ def direction_columns(ground: Ground) -> np.ndarray:
 
 
 def travel_columns(ground: Ground) -> np.ndarray:
-    """What fades with travel after a reversal: the same for both directions, and opposite, (n, k)."""
+    """What fades with travel after a reversal, alike and opposite for both directions, (n, k)."""
     known = np.isfinite(ground.travel)
     span = float(np.max(ground.travel[known])) if np.any(known) else 0.0
     if span <= 0.0:
@@ -144,12 +144,15 @@ def travel_columns(ground: Ground) -> np.ndarray:
     steps = np.concatenate([[0.0], first * 2.0 ** np.arange(12)])
     knots = np.append(steps[steps < 0.75 * span], span)
     fading = hats(ground.travel, knots)[:, :-1]
-    return np.hstack([ground.direction[:, None] * fading, fading])
+    return with_direction(fading, ground.direction)
 
 
 def loop_columns(ground: Ground) -> np.ndarray:
-    """The rest of a loop that every cycle repeats: direction times a function of the drive."""
-    return ground.direction[:, None] * command_columns(ground, fine=False)
+    """The rest of a loop that cycles repeat: direction times functions of the drive, (n, k)."""
+    if not direction_columns(ground).shape[1]:
+        return np.zeros((len(ground), 0))
+    columns = command_columns(ground, fine=False)
+    return ground.direction[:, None] * (columns - columns.mean(axis=0))
 
 
 def dwell_columns(ground: Ground) -> np.ndarray:
@@ -159,7 +162,7 @@ def dwell_columns(ground: Ground) -> np.ndarray:
     if usual <= 0 or np.mean(other) < 0.02:
         return np.zeros((len(ground), 0))
     level = np.log(np.clip(ground.dwell_s, 0.01 * usual, 100.0 * usual))
-    return _with_direction(hats(level, _spread_knots(level)), ground.direction)
+    return with_direction(hats(level, _spread_knots(level)), ground.direction)
 
 
 def rate_columns(ground: Ground) -> np.ndarray:
@@ -170,7 +173,9 @@ def rate_columns(ground: Ground) -> np.ndarray:
         return np.zeros((len(ground), 0))
     top = float(np.quantile(ground.rate, 0.995))
     level = np.minimum(ground.rate, top)
-    return _with_direction(hats(level, _spread_knots(level)), ground.direction)
+    if not varies(level):
+        return np.zeros((len(ground), 0))
+    return with_direction(hats(level, _spread_knots(level)), ground.direction)
 
 
 def other_columns(ground: Ground, name: str) -> np.ndarray:
@@ -207,5 +212,6 @@ def _spread_knots(level: np.ndarray) -> np.ndarray:
     return kept if len(kept) > 1 else np.array([knots[0], knots[-1]])
 
 
-def _with_direction(columns: np.ndarray, direction: np.ndarray) -> np.ndarray:
-    return np.hstack([direction[:, None] * columns, columns])
+def with_direction(columns: np.ndarray, direction: np.ndarray) -> np.ndarray:
+    """Columns (n, k) alike for both directions, and opposite ones clear of direction itself."""
+    return np.hstack([direction[:, None] * (columns - columns.mean(axis=0)), columns])

@@ -77,16 +77,23 @@ def _running(columns: np.ndarray, correlation: float) -> np.ndarray:
     return out
 
 
-def orthonormal(columns: np.ndarray) -> np.ndarray:
+def orthonormal(columns: np.ndarray, length: np.ndarray | None = None) -> np.ndarray:
     """An orthonormal basis, shape (m, k), of what the columns, shape (m, p), span; k <= p.
 
-    Each column is weighed by its own length, so that units do not matter.
+    length: (p,) of each column before something was taken out of it (its own by default); what is
+    left of one counts only above 1e-4 of that length.
     """
-    length = np.sqrt(np.einsum("ij,ij->j", columns, columns))
+    if length is None:
+        length = lengths(columns)
     kept = columns[:, length > 0.0] / length[length > 0.0]
     values, vectors = np.linalg.eigh(kept.T @ kept)
     strong = values > TOLERANCE
     return kept @ (vectors[:, strong] / np.sqrt(values[strong]))
+
+
+def lengths(columns: np.ndarray) -> np.ndarray:
+    """Euclidean length of each column of (m, p), shape (p,)."""
+    return np.sqrt(np.einsum("ij,ij->j", columns, columns))
 
 
 def without(columns: np.ndarray, basis: np.ndarray) -> np.ndarray:

@@ -1,0 +1,118 @@
+"""What shape a curve has, in words: from an angle on, towards the ends, periodic, or smooth."""
+
+import numpy as np
+
+BINS = 160
+SIMPLER = 0.03
+RECOGNISED = 0.6
+
+
+def binned(x: np.ndarray, y: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Mean x, mean y and number of samples in each of at most `count` even bins that has any."""
+    low, span = float(np.min(x)), float(np.ptp(x))
+    number = np.zeros(len(x), dtype=int)
+    if span > 0:
+        number = np.minimum((count * (x - low) / span).astype(int), count - 1)
+    size = np.bincount(number, minlength=count)
+    some = size > 0
+    mean_x = np.bincount(number, x, count)[some] / size[some]
+    return mean_x, np.bincount(number, y, count)[some] / size[some], size[some].astype(float)
+
+
+def least_squares_share(
+    columns: np.ndarray, y: np.ndarray, beside: np.ndarray, weight: np.ndarray
+) -> float:
+    """Share of y, (k,), that columns (k, p) explain beyond those beside (k, j); weight (k,)."""
+    base = beside * weight[:, None]
+    left = _left(base, y * weight)
+    power = float(left @ left)
+    both = np.hstack([base, columns * weight[:, None]])
+    rest = _left(both, y * weight)
+    return 1.0 - float(rest @ rest) / power if power > 0 else 0.0
+
+
+def curve_words(x: np.ndarray, y: np.ndarray, position: np.ndarray, unit: str) -> str:
+    """Where along x a residual y differs most simply; gain on `position` and offset are free.
+
+    x, y, position: (m,). unit: "deg of command" or the like.
+    """
+    centre, mean, count = binned(x, y, BINS)
+    _, place, _ = binned(x, position, BINS)
+    if len(centre) < 6:
+        return "with the command"
+    weight = np.sqrt(count)
+    beside = np.column_stack([np.ones(len(centre)), np.nan_to_num(place)])
+    tried = [
+        _smooth(centre, mean, beside, weight),
+        _one_side(centre, mean, beside, weight, unit),
+        _both_sides(centre, mean, beside, weight, unit),
+        _periodic(centre, mean, beside, weight, unit),
+    ]
+    share, words = tried[0]
+    for other_share, other_words in tried[1:]:
+        if other_share > share + SIMPLER:
+            share, words = other_share, other_words
+    return words if share > RECOGNISED else "unevenly over the whole range"
+
+
+def _smooth(
+    x: np.ndarray, y: np.ndarray, beside: np.ndarray, weight: np.ndarray
+) -> tuple[float, str]:
+    scaled = (x - x.mean()) / (np.ptp(x) or 1.0)
+    powers = np.column_stack([scaled**2, scaled**3])
+    return least_squares_share(powers, y, beside, weight), "as a smooth bend over the whole range"
+
+
+def _one_side(
+    x: np.ndarray, y: np.ndarray, beside: np.ndarray, weight: np.ndarray, unit: str
+) -> tuple[float, str]:
+    begins = np.linspace(x[0], x[-1], 60)[3:-3]
+    shares = [
+        least_squares_share(np.maximum(0.0, x - b)[:, None], y, beside, weight) for b in begins
+    ]
+    best = int(np.argmax(shares))
+    way = "positive" if begins[best] > 0.5 * (x[0] + x[-1]) else "negative"
+    return shares[best], f"beyond {begins[best]:.3g} {unit} on the {way} side"
+
+
+def _both_sides(
+    x: np.ndarray, y: np.ndarray, beside: np.ndarray, weight: np.ndarray, unit: str
+) -> tuple[float, str]:
+    reach = min(-x[0], x[-1])
+    if reach <= 0:
+        return 0.0, ""
+    widths = np.linspace(0.0, reach, 40)[1:-2]
+    shares = [least_squares_share(np.clip(x, -w, w)[:, None], y, beside, weight) for w in widths]
+    best = int(np.argmax(shares))
+    if widths[best] < 0.35 * reach:
+        return shares[best], f"within {widths[best]:.2g} {unit} of home"
+    return shares[best], f"beyond {widths[best]:.3g} {unit} on both sides"
+
+
+def _periodic(
+    x: np.ndarray, y: np.ndarray, beside: np.ndarray, weight: np.ndarray, unit: str
+) -> tuple[float, str]:
+    span = float(np.ptp(x))
+    finest = max(4.0 * span / len(x), 0.02 * span)
+    turns = np.arange(1.5, span / finest, 0.125)
+    if len(turns) == 0:
+        return 0.0, ""
+    shares = [_wave_share(turn, x, y, beside, weight) for turn in turns]
+    coarse = float(turns[int(np.argmax(shares))])
+    near = coarse + np.linspace(-0.125, 0.125, 21)
+    shares = [_wave_share(turn, x, y, beside, weight) for turn in near]
+    best = int(np.argmax(shares))
+    return shares[best], f"periodically, every {span / near[best]:.3g} {unit}"
+
+
+def _wave_share(
+    turns: float, x: np.ndarray, y: np.ndarray, beside: np.ndarray, weight: np.ndarray
+) -> float:
+    angle = 2.0 * np.pi * turns * x / float(np.ptp(x))
+    return least_squares_share(np.column_stack([np.cos(angle), np.sin(angle)]), y, beside, weight)
+
+
+def _left(base: np.ndarray, y: np.ndarray) -> np.ndarray:
+    q, r = np.linalg.qr(base)
+    strong = np.abs(np.diag(r)) > 1e-10 * max(float(np.abs(r).max()), 1e-300)
+    return y - q[:, strong] @ (q[:, strong].T @ y)
