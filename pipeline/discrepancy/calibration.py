@@ -5,16 +5,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from pipeline.config import ToleranceConfig
+from pipeline.physics.kinematics import SmoothError, legendre
 
-SHAPE_ORDERS = (2, 3, 4)
+SHAPES = 3
 
 
 @dataclass(frozen=True)
 class Nuisances:
     """measurement = gain * a + offset + sum_k bend_k P_k(a), a the mechanism's angle.
 
-    P_k are Legendre polynomials (orders 2 to 4) over the simulated range: free of gain and offset,
-    1 at an end of the range. Gain, offset and bends have Gaussian priors about 1, 0 and 0.
+    P_k are Legendre polynomials (orders 2 to 4) over the simulated range, see `SmoothError`. Gain, offset and bends have Gaussian priors about 1, 0 and 0.
     """
 
     middle: float
@@ -32,12 +32,15 @@ class Nuisances:
         out[:, 0] = angle
         out[:, 1] = 1.0
         if out.shape[1] > 2:
-            x = (angle - self.middle) / self.half_range
-            square = x * x
-            out[:, 2] = 1.5 * square - 0.5
-            out[:, 3] = x * (2.5 * square - 1.5)
-            out[:, 4] = (4.375 * square - 3.75) * square + 0.375
+            out[:, 2:] = legendre((angle - self.middle) / self.half_range)
         return out
+
+    def error(self, nuisance: np.ndarray) -> SmoothError | None:
+        """The smooth error that fitted nuisances (m,) amount to; None where none is allowed."""
+        if len(nuisance) < 3:
+            return None
+        weights = (float(nuisance[2]), float(nuisance[3]), float(nuisance[4]))
+        return SmoothError(self.middle, self.half_range, weights)
 
 
 def nuisances_of(tolerance: ToleranceConfig, angle_low: float, angle_span: float) -> Nuisances:
@@ -45,5 +48,5 @@ def nuisances_of(tolerance: ToleranceConfig, angle_low: float, angle_span: float
     half = max(0.5 * angle_span, 1e-9)
     deviations = [max(tolerance.gain, 1e-9), max(tolerance.offset, 1e-9)]
     if tolerance.shape > 0.0:
-        deviations += len(SHAPE_ORDERS) * [tolerance.shape]
+        deviations += SHAPES * [tolerance.shape]
     return Nuisances(angle_low + half, half, np.array(deviations))

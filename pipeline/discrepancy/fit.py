@@ -162,7 +162,7 @@ def jacobian(fit: Fit) -> np.ndarray:
 def difference_step(p: Parameter, value: float) -> float:
     """A step that stays within bounds; 0 for a parameter that has no width."""
     size = 0.01 * p.typical if p.typical > 0.0 else 1e-4 * (p.high - p.low)
-    if p.name in ("moment",):
+    if p.stepwise:
         return 0.0
     return -size if value + size > p.high else size
 

@@ -18,14 +18,14 @@ def settle_moments(fit: Fit) -> Fit:
             row = int(np.searchsorted(time_s, fit.pieces[i].values[1]))
             stride = max(reach // 8, 1)
             rows = range(max(row - reach, 1), min(row + reach + 1, len(time_s)), stride)
-            trials = [_moved(fit, i, 0.5 * (time_s[r] + time_s[r - 1])) for r in rows]
+            trials = [moved(fit, i, 0.5 * (time_s[r] + time_s[r - 1])) for r in rows]
             best = min(trials, key=lambda t: t.cost)
             if best.cost < fit.cost:
                 fit = improve(best, 3)
     return fit
 
 
-def _moved(fit: Fit, place: int, moment_s: float) -> Fit:
+def moved(fit: Fit, place: int, moment_s: float) -> Fit:
     values = fit.pieces[place].values.copy()
     values[1] = moment_s
     pieces = (

@@ -72,8 +72,8 @@ def pose_problem(
     """
     motion, curve, drive, static = driven_by(recording, measurement, simulated)
     measured = recording.values(measurement)
-    heldout = held_out_rows(motion.cycle)
     known = np.isfinite(measured) & np.isfinite(simulated)
+    heldout = held_out_rows(motion.cycle, known)
     train = known & ~heldout
     if train.sum() < FEWEST_SAMPLES:
         raise DiagnosisError(
@@ -91,14 +91,19 @@ def pose_problem(
     )  # fmt: skip
 
 
-def held_out_rows(cycle: np.ndarray) -> np.ndarray:
-    """Rows of every third cycle, or the last third of the rows where there are fewer than three."""
+def held_out_rows(cycle: np.ndarray, known: np.ndarray) -> np.ndarray:
+    """Rows of every third cycle, or the last third of the known rows where that would be nothing.
+
+    So it is where there are fewer than three cycles, or where none of those was measured.
+    """
     numbers = np.unique(cycle)
-    if len(numbers) < HELD_OUT_EVERY:
+    rows = np.isin(cycle, numbers[HELD_OUT_EVERY - 1 :: HELD_OUT_EVERY])
+    if len(numbers) < HELD_OUT_EVERY or not rows[known].any() or rows[known].all():
         rows = np.zeros(len(cycle), dtype=bool)
-        rows[len(cycle) - len(cycle) // HELD_OUT_EVERY :] = True
-        return rows
-    return np.isin(cycle, numbers[HELD_OUT_EVERY - 1 :: HELD_OUT_EVERY])
+        have = np.flatnonzero(known)
+        if len(have):
+            rows[have[len(have) - max(len(have) // HELD_OUT_EVERY, 1)] :] = True
+    return rows
 
 
 def driven_by(

@@ -1,11 +1,12 @@
 """What a diagnosis says, and the evidence behind it."""
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
 
+from pipeline.discrepancy.model import CorrectedModel
 from pipeline.discrepancy.noise import NoiseModel
 from pipeline.physics.mechanism import Mechanism
 from pipeline.physics.motion import Motion
@@ -103,16 +104,11 @@ class Diagnosis:
 
 @dataclass(frozen=True)
 class Hypothesis:
-    """An explanation that competes: its names, its probability, and a mechanism that can answer.
-
-    `parameters_covariance` is over the free parameters in the order of `free`.
-    """
+    """An explanation that competes: its names, its probability, and a mechanism that can answer."""
 
     names: tuple[str, ...]
     probability: float
     mechanism: Mechanism
-    free: tuple[str, ...] = ()
-    covariance: np.ndarray = field(default_factory=lambda: np.zeros((0, 0)))
 
 
 @dataclass(frozen=True)
@@ -156,12 +152,14 @@ class Evidence:
 
 @dataclass(frozen=True)
 class DiagnosisResult:
-    """One diagnosis and its evidence for each measurement, in the recording's order."""
+    """One diagnosis, its evidence and its model for each measurement, in the recording's order."""
 
     diagnoses: tuple[Diagnosis, ...]
     evidence: tuple[Evidence, ...]
+    models: tuple[CorrectedModel, ...]
 
 
 def as_json(diagnoses: tuple[Diagnosis, ...]) -> Mapping[str, Any]:
-    """The content of diagnosis.json."""
-    return {"schema": SCHEMA, "measurements": [asdict(d) for d in diagnoses]}
+    """The content of diagnosis.json (the notes belong to the report)."""
+    entries = [{k: v for k, v in asdict(d).items() if k != "notes"} for d in diagnoses]
+    return {"schema": SCHEMA, "measurements": entries}

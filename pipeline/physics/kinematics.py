@@ -75,3 +75,32 @@ def sampled_curve(drive: np.ndarray, angle: np.ndarray, knots: int = 401) -> Sam
     mean = np.bincount(place, weights=angle) / np.bincount(place)
     grid = np.linspace(at[0], at[-1], knots)
     return SampledCurve(float(grid[0]), float(grid[1] - grid[0]), np.interp(grid, at, mean))
+
+
+@dataclass(frozen=True)
+class SmoothError:
+    """A smooth error of a curve: Legendre polynomials of orders 2 to 4 over its range.
+
+    middle, half_range: of the angle. weights: (3,) size of each at an end of the range; beyond the
+    range the error stays as it is at its end.
+    """
+
+    middle: float
+    half_range: float
+    weights: tuple[float, float, float]
+
+    def __call__(self, angle: np.ndarray) -> np.ndarray:
+        return legendre((angle - self.middle) / self.half_range) @ np.array(self.weights)
+
+
+def legendre(x: np.ndarray) -> np.ndarray:
+    """Legendre polynomials of orders 2 to 4, shape (n, 3), of x (n,) held within -1 and 1."""
+    x = np.clip(x, -1.0, 1.0)
+    square = x * x
+    return np.column_stack(
+        [
+            1.5 * square - 0.5,
+            x * (2.5 * square - 1.5),
+            (4.375 * square - 3.75) * square + 0.375,
+        ]
+    )

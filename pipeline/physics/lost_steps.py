@@ -9,7 +9,7 @@ MOMENTS = 150
 
 
 class LostSteps(Term):
-    """x(t) = u(t) + jump * [t >= moment]; jump [drive unit], moment [s].
+    """x(t) = u(t) + jump * [t >= time]; jump [drive unit], time [s].
 
     The motor's count no longer belongs to the shaft's angle: a stepper that loses steps, a coupling
     or a set screw that slips. Source: definition.
@@ -18,13 +18,13 @@ class LostSteps(Term):
     name = "lost_steps"
     site = "actuator"
     before_curve = True
-    says = "The shaft slipped by {jump} at {moment}, and its zero has been off since."
+    says = "The shaft slipped by {jump} at {time}, and its zero has been off since."
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
         span = around.drive_span
         return (
             Parameter("jump", around.drive_unit, -span, span, 0.03 * span, 0.03 * span),
-            Parameter("moment", "s", around.start_s, around.end_s, around.start_s, 0.0),
+            Parameter("time", "s", around.start_s, around.end_s, around.start_s, 0.0, True),
         )
 
     def respond(

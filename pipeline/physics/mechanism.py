@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from pipeline.physics.balance import settle
-from pipeline.physics.kinematics import Curve, IdentityCurve
+from pipeline.physics.kinematics import Curve, IdentityCurve, SmoothError
 from pipeline.physics.motion import Motion
 from pipeline.physics.term import Term
 
@@ -43,13 +43,14 @@ class Mechanism:
     """drive -> drive terms -> nominal curve -> balance at the joint -> joint and sensor terms.
 
     Terms that are in balance (friction, compliance, gravity, contact, stop) meet in one implicit
-    equation, see `balance.py`. The answer is gain * angle + offset.
+    equation, see `balance.py`. The answer is gain * angle + offset + error(angle).
     """
 
     curve: Curve = field(default_factory=IdentityCurve)
     pieces: Sequence[Piece] = ()
     gain: float = 1.0
     offset: float = 0.0
+    error: SmoothError | None = None
 
     def respond(self, motion: Motion, state: State | None = None) -> tuple[np.ndarray, State]:
         """The angle of each sample, shape (n,), and the state after the last one.
@@ -72,7 +73,8 @@ class Mechanism:
         for piece in pieces:
             if not (piece.term.before_curve or piece.term.in_balance):
                 signal = _apply(piece, signal, motion, before, after)
-        return self.gain * signal + self.offset, after
+        answer = self.gain * signal + self.offset
+        return answer if self.error is None else answer + self.error(signal), after
 
 
 def _place(piece: Piece) -> int:

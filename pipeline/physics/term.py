@@ -19,7 +19,10 @@ class TermError(LoopgapError):
 
 @dataclass(frozen=True)
 class Parameter:
-    """A number with a meaning; `start` is where a search begins, `typical` a size that is usual."""
+    """A number with a meaning; `start` is where a search begins, `typical` a size that is usual.
+
+    stepwise: it acts between two samples only, so that the answer has no slope by it.
+    """
 
     name: str
     unit: str
@@ -27,6 +30,7 @@ class Parameter:
     high: float
     start: float
     typical: float
+    stepwise: bool = False
 
 
 @dataclass(frozen=True)

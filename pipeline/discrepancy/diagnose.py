@@ -1,0 +1,229 @@
+"""One measurement's diagnosis from its explanation: names, proof, calibration and verdict."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from pipeline.discrepancy.choose import Choice
+from pipeline.discrepancy.explain import Explanation, explain, not_excited
+from pipeline.discrepancy.fit import evaluate, improve
+from pipeline.discrepancy.intervals import covariance_of, estimates
+from pipeline.discrepancy.mistaken import mistaken_frames
+from pipeline.discrepancy.model import CorrectedModel
+from pipeline.discrepancy.outliers import isolated
+from pipeline.discrepancy.problem import Problem, thinned
+from pipeline.discrepancy.result import (
+    Calibration,
+    Diagnosis,
+    Errors,
+    Evidence,
+    Hypothesis,
+    NamedPhysics,
+    Unexplained,
+)
+from pipeline.discrepancy.ties import Standing, by_names, standing, weights_of
+from pipeline.discrepancy.verdict import Structure, fewer, structure_of
+from pipeline.physics.catalogue import term
+from pipeline.physics.mechanism import Mechanism
+from pipeline.recording import Recording
+
+RIVALS = 6
+RIVAL_GAP = 14.0
+
+
+def diagnose_measurement(
+    recording: Recording, measurement: str, problem: Problem
+) -> tuple[Diagnosis, Evidence, CorrectedModel]:
+    """Name what the simulation of a measurement left out, with the proof on held-out rows."""
+    small, every = thinned(problem)
+    explanation = explain(small)
+    best = explanation.choices[0]
+    structure = structure_of(explanation, best)
+    if structure.found:
+        best = fewer(explanation, best)
+    model = model_of(measurement, problem, best)
+    evidence = evidence_of(recording, measurement, problem, explanation, best, model)
+    physics = named_physics(explanation, best, evidence, structure)
+    verdict = verdict_of(explanation, best, physics, structure)
+    noise = best.fit.ground.noise
+    diagnosis = Diagnosis(
+        measurement=measurement,
+        unit=problem.around.angle_unit,
+        verdict=verdict,
+        noise=float(np.hypot(noise.deviation, noise.jitter)),
+        before=errors(evidence, evidence.before),
+        after=errors(evidence, evidence.after),
+        location=(),
+        physics=physics,
+        calibration=Calibration(float(best.fit.nuisance[0]), float(best.fit.nuisance[1])),
+        unexplained=Unexplained(structure.share, structure.p_value, structure.where),
+        not_excited=not_excited(problem),
+        next_experiment=None,
+        notes=notes(problem, explanation, evidence, every),
+    )
+    return diagnosis, evidence, model
+
+
+def mechanism_of(problem: Problem, choice: Choice) -> Mechanism:
+    """The choice's mechanism with its calibration."""
+    fit = choice.fit
+    return Mechanism(
+        problem.curve,
+        fit.pieces,
+        float(fit.nuisance[0]),
+        float(fit.nuisance[1]),
+        fit.ground.nuisances.error(fit.nuisance),
+    )
+
+
+def model_of(measurement: str, problem: Problem, choice: Choice) -> CorrectedModel:
+    """What predicts the measurement from now on."""
+    return CorrectedModel(
+        measurement=measurement,
+        unit=problem.around.angle_unit,
+        drive=problem.drive,
+        static=problem.static,
+        radian=problem.motion.radian,
+        mechanism=mechanism_of(problem, choice),
+        noise=choice.fit.ground.noise,
+        covariance=covariance_of(choice.fit),
+    )
+
+
+def evidence_of(
+    recording: Recording,
+    measurement: str,
+    problem: Problem,
+    explanation: Explanation,
+    best: Choice,
+    model: CorrectedModel,
+) -> Evidence:
+    """All rows of the recording with their predictions, and the hypotheses that compete."""
+    after, deviation = model.predict(problem.motion)
+    outliers = isolated(problem.measured - after, problem.train)
+    distinct = [c for c in by_names(explanation.choices) if c.score < best.score + RIVAL_GAP]
+    if best not in distinct:
+        distinct = [best]
+    weights = weights_of(distinct)
+    hypotheses = tuple(
+        Hypothesis(c.fit.names, float(w), mechanism_of(problem, c))
+        for c, w in sorted(zip(distinct, weights, strict=True), key=lambda x: -x[1])
+    )
+    return Evidence(
+        recording=recording,
+        measurement=measurement,
+        drive=problem.drive,
+        static=problem.static,
+        motion=problem.motion,
+        measured=problem.measured,
+        train=problem.train,
+        heldout=problem.heldout,
+        used=np.isfinite(problem.measured) & np.isfinite(problem.simulated) & ~outliers,
+        before=problem.simulated,
+        after=after,
+        deviation=deviation,
+        noise=best.fit.ground.noise,
+        hypotheses=hypotheses[:RIVALS],
+    )
+
+
+def errors(evidence: Evidence, predicted: np.ndarray) -> Errors:
+    """Root mean squares over measured rows that are no outliers."""
+    square = (evidence.measured - predicted) ** 2
+    train, heldout = evidence.train & evidence.used, evidence.heldout & evidence.used
+    return Errors(root_mean(square[train]), root_mean(square[heldout]))
+
+
+def root_mean(square: np.ndarray) -> float:
+    return float(np.sqrt(np.mean(square))) if len(square) else float("nan")
+
+
+def named_physics(
+    explanation: Explanation, best: Choice, evidence: Evidence, structure: Structure
+) -> tuple[NamedPhysics, ...]:
+    """Every term of the best choice, and outliers where there are enough."""
+    problem, fit = explanation.problem, best.fit
+    out: dict[str, NamedPhysics] = {}
+    for piece, own in estimates(fit, covariance_of(fit)):
+        name = piece.term.name
+        stands = standing(name, best, explanation.choices, problem)
+        if name in out:
+            out[name] = replace(out[name], parameters=(*out[name].parameters, *own))
+            continue
+        probability = stands.probability * (0.5 if structure.found else 1.0)
+        out[name] = NamedPhysics(
+            name=name,
+            site=piece.term.site,
+            probability=min(probability, 0.99),
+            parameters=own,
+            heldout_rmse_without=error_without(best, name, evidence),
+            alternatives=stands.alternatives,
+            says=piece.term.sentence(piece.values, problem.around),
+        )
+    mistaken = mistaken_frames(explanation)
+    if mistaken is not None and not structure.found:
+        physics = term("marker_outliers")
+        all_rows = np.isfinite(evidence.measured) & evidence.heldout
+        out["marker_outliers"] = NamedPhysics(
+            name="marker_outliers",
+            site="sensor",
+            probability=0.97,
+            parameters=mistaken,
+            heldout_rmse_without=root_mean(((evidence.measured - evidence.after) ** 2)[all_rows]),
+            alternatives=(),
+            says=physics.sentence(np.array([e.value for e in mistaken]), problem.around),
+        )
+    return tuple(out.values())
+
+
+def error_without(best: Choice, name: str, evidence: Evidence) -> float:
+    """Held-out error of the refitted rest when a name is taken out."""
+    rest = [p for p in best.fit.pieces if p.term.name != name]
+    fit = improve(evaluate(best.fit.ground, rest))
+    mechanism = mechanism_of(fit.ground.problem, Choice(fit, best.place, 0.0))
+    return errors(evidence, mechanism.respond(evidence.motion)[0]).heldout_rmse
+
+
+def verdict_of(
+    explanation: Explanation,
+    best: Choice,
+    physics: Sequence[NamedPhysics],
+    structure: Structure,
+) -> str:
+    """One of the contract's verdicts."""
+    if structure.found:
+        return "partly_explained" if physics else "unknown_physics"
+    if not physics:
+        return "no_mismatch"
+    stands = [_standing_of(p.name, explanation, best) for p in physics]
+    return "ambiguous" if any(s.tied for s in stands) else "explained"
+
+
+def _standing_of(name: str, explanation: Explanation, best: Choice) -> Standing:
+    if name == "marker_outliers":
+        return Standing(1.0, (), False)
+    return standing(name, best, explanation.choices, explanation.problem)
+
+
+def notes(
+    problem: Problem, explanation: Explanation, evidence: Evidence, every: int
+) -> tuple[str, ...]:
+    """What was left out or assumed, with its count."""
+    out = []
+    missing = int((~np.isfinite(problem.measured)).sum())
+    if missing:
+        out.append(f"{missing} of {len(problem.measured)} samples were not measured.")
+    outliers = int((np.isfinite(problem.measured) & ~evidence.used).sum())
+    if outliers:
+        out.append(f"{outliers} samples stand off from their neighbours and were not counted.")
+    if every > 1:
+        out.append(f"Terms were fitted on every {every}th sample and all reversals.")
+    if not problem.static:
+        out.append(
+            "The simulation is no static curve of one command: terms act on its trace instead "
+            "of the command."
+        )
+    if explanation.prior.repeats == 0:
+        out.append("No cycle repeats another: the noise was learnt from what is rough alone.")
+    return tuple(out)

@@ -1,0 +1,69 @@
+"""Intervals: how far each parameter may move before the fit gets worse."""
+
+import numpy as np
+
+from pipeline.discrepancy.fit import PRIOR_WIDTH, Fit, jacobian, parameters_of
+from pipeline.discrepancy.moments import moved
+from pipeline.discrepancy.result import Estimate
+from pipeline.physics.mechanism import Piece
+
+DEVIATIONS = 1.96
+FALL = 3.84
+WIDEST = 1e12
+
+
+def covariance_of(fit: Fit) -> np.ndarray:
+    """Covariance of nuisances and then all term parameters, Gauss-Newton under the whitened noise.
+
+    With the priors of both; inflated where the innovations are larger than they should be.
+    """
+    ground = fit.ground
+    columns = [ground.whiten(ground.nuisances.columns(fit.angle))]
+    precision = [1.0 / ground.nuisances.deviations**2]
+    if fit.pieces:
+        columns.append(jacobian(fit))
+        typical = [p.typical for piece in fit.pieces for p in parameters_of(ground, piece.term)]
+        precision.append(np.array([1.0 / (PRIOR_WIDTH * t) ** 2 if t > 0 else 0.0 for t in typical]))
+    j = np.column_stack(columns)
+    normal = j.T @ j + np.diag(np.concatenate(precision))
+    scale = np.sqrt(np.maximum(np.diag(normal), 1.0 / WIDEST))
+    inverse = np.linalg.pinv(normal / np.outer(scale, scale), rcond=1e-10, hermitian=True)
+    excess = max(float(np.mean(fit.innovations**2)), 1.0)
+    return excess * inverse / np.outer(scale, scale)
+
+
+def estimates(fit: Fit, covariance: np.ndarray) -> list[tuple[Piece, tuple[Estimate, ...]]]:
+    """Every term's parameters with 95 % intervals, within their bounds."""
+    deviations = np.sqrt(np.maximum(np.diag(covariance), 0.0))[len(fit.nuisance) :]
+    out = []
+    k = 0
+    for i, piece in enumerate(fit.pieces):
+        own = []
+        for p, value in zip(parameters_of(fit.ground, piece.term), piece.values, strict=True):
+            if p.stepwise:
+                low, high = moment_interval(fit, i)
+            else:
+                reach = DEVIATIONS * deviations[k]
+                low, high = max(value - reach, p.low), min(value + reach, p.high)
+            own.append(Estimate(p.name, float(value), float(low), float(high), p.unit))
+            k += 1
+        out.append((piece, tuple(own)))
+    return out
+
+
+def moment_interval(fit: Fit, place: int) -> tuple[float, float]:
+    """The samples between which the slip lies, as far as the cost does not tell them apart."""
+    time_s = fit.ground.problem.motion.time_s
+    row = int(np.searchsorted(time_s, fit.pieces[place].values[1]))
+
+    def as_good(r: int) -> bool:
+        return moved(fit, place, 0.5 * (time_s[r] + time_s[r - 1])).cost < fit.cost + FALL
+
+    first = last = row
+    while first > 1 and row - first < 60 and as_good(first - 1):
+        first -= 1
+    while last < len(time_s) - 1 and last - row < 60 and as_good(last + 1):
+        last += 1
+    return float(time_s[max(first - 1, 0)]), float(time_s[min(last, len(time_s) - 1)])
+
+

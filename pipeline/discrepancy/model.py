@@ -1,0 +1,146 @@
+"""The corrected simulation: a fitted mechanism with its noise and how sure it is."""
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+
+from pipeline.discrepancy.noise import NoiseModel
+from pipeline.errors import LoopgapError, refusal
+from pipeline.physics.catalogue import term
+from pipeline.physics.kinematics import Curve, IdentityCurve, SampledCurve, SmoothError
+from pipeline.physics.mechanism import Mechanism, Piece
+from pipeline.physics.motion import Motion
+
+SCHEMA = "loopgap.model/1"
+DIFFERENCE = 0.2
+
+
+class ModelError(LoopgapError):
+    """A stored model is not as the format says."""
+
+
+@dataclass(frozen=True)
+class CorrectedModel:
+    """What predicts a measurement from commands.
+
+    drive: channel whose samples drive the mechanism: a command, or, where not `static`, the
+    simulation of the measurement. covariance: of gain, offset, bends and all term parameters in
+    their order. noise: of one measured sample.
+    """
+
+    measurement: str
+    unit: str
+    drive: str
+    static: bool
+    radian: float
+    mechanism: Mechanism
+    noise: NoiseModel
+    covariance: np.ndarray
+
+    def predict(self, motion: Motion) -> tuple[np.ndarray, np.ndarray]:
+        """Expected measurement and its standard deviation, each (n,), from the motion alone.
+
+        The deviation holds the noise, the walk since the first sample and what the parameters leave
+        open; the motion is taken to begin where the model's recording began.
+        """
+        expected = self.mechanism.respond(motion)[0]
+        slopes = np.column_stack([s for s in self._slopes(motion, expected)])
+        open_variance = np.maximum(np.einsum("ij,jk,ik->i", slopes, self.covariance, slopes), 0.0)
+        noise = self.noise.deviation**2 + self.noise.jitter**2
+        walked = self.noise.walk**2 * np.arange(len(expected))
+        return expected, np.sqrt(noise + walked + open_variance)
+
+    def _slopes(self, motion: Motion, expected: np.ndarray) -> list[np.ndarray]:
+        """Change of the prediction for a unit of each parameter, by differences of its deviation."""
+        deviations = np.sqrt(np.maximum(np.diag(self.covariance), 0.0))
+        out = []
+        for k, deviation in enumerate(deviations):
+            step = DIFFERENCE * deviation
+            if step == 0.0 or not np.isfinite(step):
+                out.append(np.zeros(len(expected)))
+                continue
+            out.append((self._moved(k, step).respond(motion)[0] - expected) / step)
+        return out
+
+    def _moved(self, place: int, step: float) -> Mechanism:
+        m = self.mechanism
+        bends = () if m.error is None else m.error.weights
+        flat = np.array([m.gain, m.offset, *bends, *(v for p in m.pieces for v in p.values)])
+        flat[place] += step
+        return _mechanism(m, flat)
+
+
+def _mechanism(like: Mechanism, flat: np.ndarray) -> Mechanism:
+    k, error = 2, like.error
+    if error is not None:
+        weights = (float(flat[2]), float(flat[3]), float(flat[4]))
+        error, k = SmoothError(error.middle, error.half_range, weights), 5
+    pieces = []
+    for piece in like.pieces:
+        pieces.append(Piece(piece.term, flat[k : k + len(piece.values)]))
+        k += len(piece.values)
+    return Mechanism(like.curve, tuple(pieces), float(flat[0]), float(flat[1]), error)
+
+
+def as_json(model: CorrectedModel) -> dict[str, Any]:
+    """The model as plain JSON."""
+    m = model.mechanism
+    curve = (
+        {"first": m.curve.first, "spacing": m.curve.spacing, "angle": m.curve.angle.tolist()}
+        if isinstance(m.curve, SampledCurve)
+        else None
+    )
+    return {
+        "schema": SCHEMA,
+        "measurement": model.measurement,
+        "unit": model.unit,
+        "drive": model.drive,
+        "static": model.static,
+        "radian": model.radian,
+        "curve": curve,
+        "gain": m.gain,
+        "offset": m.offset,
+        "error": None if m.error is None else asdict(m.error),
+        "terms": [
+            {"name": p.term.name, "form": p.term.form, "values": p.values.tolist()}
+            for p in m.pieces
+        ],
+        "noise": asdict(model.noise),
+        "covariance": model.covariance.tolist(),
+    }
+
+
+def from_json(entry: Mapping[str, Any], others: list[str]) -> CorrectedModel:
+    """The model that `as_json` wrote; `others` are the other commands that a coupling may need.
+
+    Raises ModelError where the schema is another or something is missing.
+    """
+    if entry.get("schema") != SCHEMA:
+        raise ModelError(
+            refusal("model", f"schema {SCHEMA!r}", repr(entry.get("schema")),
+                    "Point `model=` at the folder of a diagnosis.")
+        )  # fmt: skip
+    try:
+        curve: Curve = IdentityCurve()
+        if entry["curve"] is not None:
+            c = entry["curve"]
+            curve = SampledCurve(c["first"], c["spacing"], np.array(c["angle"], dtype=float))
+        error = None
+        if entry["error"] is not None:
+            e = entry["error"]
+            error = SmoothError(e["middle"], e["half_range"], tuple(e["weights"]))
+        pieces = tuple(
+            Piece(term(t["name"], t["form"], others), np.array(t["values"], dtype=float))
+            for t in entry["terms"]
+        )
+        mechanism = Mechanism(curve, pieces, entry["gain"], entry["offset"], error)
+        return CorrectedModel(
+            entry["measurement"], entry["unit"], entry["drive"], entry["static"], entry["radian"],
+            mechanism, NoiseModel(**entry["noise"]), np.array(entry["covariance"], dtype=float),
+        )  # fmt: skip
+    except (KeyError, TypeError, ValueError) as problem:
+        raise ModelError(
+            refusal("model", "the entries that a diagnosis writes", f"{problem!r}", "Diagnose anew.")
+        ) from problem

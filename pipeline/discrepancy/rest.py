@@ -1,0 +1,116 @@
+"""The structured rest: what flexible curves still find in a residual that no term explains."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.stats import chi2
+
+from pipeline.discrepancy.choose import Choice
+from pipeline.discrepancy.fit import jacobian
+from pipeline.discrepancy.noise_family import NoiseFamily
+from pipeline.discrepancy.problem import Problem
+from pipeline.recording import branch_of, reversals_of
+
+FINE, COARSE, TRAVELS = 24, 5, 12
+STIFFENING = 1e-3
+
+
+@dataclass(frozen=True)
+class Rest:
+    """What one family of curves finds: fall of the cost, its degrees of freedom, and its size.
+
+    size: root mean square [measurement's unit] of the structure beyond what noise would give.
+    """
+
+    where: str
+    gain: float
+    freedom: int
+    p_value: float
+    size: float
+
+
+def structured_rest(choice: Choice, family: NoiseFamily) -> list[Rest]:
+    """What each family of flexible curves finds in a choice's residual, the surest first."""
+    fit = choice.fit
+    problem, ground = fit.ground.problem, fit.ground
+    residual = np.where(ground.used, problem.measured - fit.predicted, 0.0)
+    known = [ground.nuisances.columns(fit.angle)]
+    cost = family.weigh(choice.place, residual)[0]
+    own = [ground.whiten(known[0])] + ([jacobian(fit)] if fit.pieces else [])
+    taken = np.linalg.qr(np.column_stack(own))[0]
+    out = []
+    for where, columns in curves(problem).items():
+        rest, freedom = _without(residual, columns, choice, taken)
+        place = choice.place
+        noise, place = family.pick(rest, place)
+        better = family.weigh(place, np.where(ground.used, rest, 0.0))[0]
+        gain = max(cost - better, 0.0)
+        n = int(ground.used.sum())
+        before = float(np.mean(residual[ground.used] ** 2))
+        after = float(np.mean(rest[ground.used] ** 2)) * n / max(n - freedom, 1)
+        size = float(np.sqrt(max(before - after, 0.0)))
+        out.append(Rest(where, gain, freedom, float(chi2.sf(gain, freedom)), size))
+    return sorted(out, key=lambda r: r.p_value)
+
+
+def _without(
+    residual: np.ndarray, columns: np.ndarray, choice: Choice, taken: np.ndarray
+) -> tuple[np.ndarray, int]:
+    """The residual less what the columns explain beside the fit's own slopes, and how many do."""
+    ground = choice.fit.ground
+    white = ground.whiten(np.where(ground.used[:, None], columns, 0.0))
+    free = white - taken @ (taken.T @ white)
+    size = np.sqrt(np.einsum("ij,ij->j", free, free))
+    keep = size > 1e-6 * max(float(size.max(initial=0.0)), 1e-12)
+    free, columns = free[:, keep], columns[:, keep]
+    normal = free.T @ free
+    normal += STIFFENING * np.trace(normal) / max(len(normal), 1) * np.eye(len(normal))
+    weights = np.linalg.solve(normal, free.T @ choice.fit.innovations)
+    used = choice.fit.ground.used
+    return residual - np.where(used, columns @ weights, 0.0), int(keep.sum())
+
+
+def curves(problem: Problem) -> dict[str, np.ndarray]:
+    """Families of curves over what a residual may depend on, each (n, k)."""
+    motion = problem.motion
+    drive, cycle = motion.drive, motion.cycle
+    up = branch_of(drive) > 0
+    ways = [up, ~up]
+    out: dict[str, np.ndarray] = {}
+    if np.ptp(drive) > 0:
+        fine = hats(drive, FINE)
+        out["the command and its direction"] = np.column_stack([fine * w[:, None] for w in ways])
+        coarse = hats(drive, COARSE)
+        numbers = np.unique(cycle[problem.train])
+        if 1 < len(numbers) <= 20:
+            out["the cycle"] = np.column_stack(
+                [coarse * (w & (cycle == c))[:, None] for c in numbers for w in ways]
+            )
+        travel = travelled(drive)
+        out["the travel since the last reversal"] = np.column_stack(
+            [hats(np.sqrt(travel), TRAVELS) * w[:, None] for w in ways]
+        )
+    for name, other in motion.others.items():
+        if np.ptp(other) > 0:
+            moving = branch_of(other) > 0
+            out[name] = np.column_stack(
+                [hats(other, 8) * w[:, None] for w in (moving, ~moving)]
+            )
+    return out
+
+
+def hats(values: np.ndarray, knots: int) -> np.ndarray:
+    """Piecewise linear bumps over the range of values (n,), (n, knots)."""
+    low, high = float(values.min()), float(values.max())
+    place = (values - low) / max(high - low, 1e-12) * (knots - 1)
+    return np.maximum(1.0 - np.abs(place[:, None] - np.arange(knots)), 0.0)
+
+
+def travelled(drive: np.ndarray) -> np.ndarray:
+    """Way since the last reversal, (n,) [drive unit]; from the first sample before any."""
+    turns = np.concatenate([[0], reversals_of(drive)])
+    last = turns[np.searchsorted(turns, np.arange(len(drive)), side="right") - 1]
+    return np.abs(drive - drive[last])
+
+
