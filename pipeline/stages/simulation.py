@@ -49,7 +49,8 @@ def _mechanism_answer(config: SimulationConfig, recording: Recording, name: str)
     if name not in config.axes:
         raise UsageError(
             refusal("simulation.axes", f"a mechanism for {name!r}",
-                    ", ".join(config.axes) or "none", "Add one there, or a simulation channel to the recording.")
+                    ", ".join(config.axes) or "none",
+                    "Add one there, or a simulation channel to the recording.")
         )  # fmt: skip
     axis = config.axes[name]
     command = recording.channel(axis.command)
