@@ -1,15 +1,15 @@
 """From a drawn case to its recordings and its truth."""
 
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
 
 import numpy as np
 import pandas as pd
 
 from pipeline.concealed.draw import Case
-from pipeline.concealed.motions import RECORDED_CYCLES
+from pipeline.concealed.motions import RECORDED_CYCLES, Motion
 from pipeline.concealed.noise import disturbance, lost, mistaken
 from pipeline.concealed.plant import respond
-from pipeline.recording import Channel, Recording
+from pipeline.recording import Channel, Recording, cycles_from_reversals
 
 COMMAND, OTHER = "pitch_command_deg", "yaw_command_deg"
 MEASUREMENT, SIMULATION = "pitch_angle_deg", "pitch_angle_sim_deg"
@@ -20,6 +20,7 @@ CHANNELS = (
     Channel(SIMULATION, "simulation", "deg", MEASUREMENT),
 )
 SOURCE = "concealed plant"
+HANDOVER_S = 3.36
 
 
 @dataclass(frozen=True)
@@ -37,23 +38,60 @@ class Realised:
 
 
 def realise(case: Case) -> Realised:
-    """Run the plant of a case, and blur what its camera sees."""
-    motion = case.motion
-    recorded = motion.cycle < RECORDED_CYCLES
-    span = float(motion.time_s[recorded][-1] - motion.time_s[0])
-    simulated = case.nominal.angle_deg(motion.pitch_deg)
-    seen = respond(case.plant(), motion, span)
-    clean = (1.0 + case.gain_error) * seen + case.offset_deg + bend_deg(case, seen)
-    rng = np.random.default_rng([case.seed, 1])
+    """Run the plant of a case, and blur what its camera sees in the recorded cycles."""
+    recorded = case.motion.cycle < RECORDED_CYCLES
+    clean = clean_deg(case, case.motion)
     n = int(recorded.sum())
-    wrong = mistaken(case.noise, n, rng)
-    blurred = clean[:n] + disturbance(case.noise, motion.cycle[:n], rng) + wrong
-    blurred[lost(case.noise, n, rng)] = np.nan
-    measured = np.full(len(clean), np.nan)
-    measured[:n] = np.round(blurred, 4)
-    flagged = np.zeros(len(clean), dtype=bool)
-    flagged[:n] = wrong != 0
+    measured, flagged = np.full(len(clean), np.nan), np.zeros(len(clean), dtype=bool)
+    measured[:n], flagged[:n] = _measured(case, clean[:n], case.motion.cycle[:n], stream=1)
+    simulated = case.nominal.angle_deg(case.motion.pitch_deg)
     return Realised(simulated, clean, measured, flagged, recorded)
+
+
+def clean_deg(case: Case, motion: Motion) -> np.ndarray:
+    """What a perfect reader would measure along a motion that starts like the case's own, (n,)."""
+    own = case.motion.time_s[case.motion.cycle < RECORDED_CYCLES]
+    seen = respond(case.plant(), motion, span_s=float(own[-1] - own[0]))
+    return np.asarray((1.0 + case.gain_error) * seen + case.offset_deg + bend_deg(case, seen))
+
+
+def _measured(
+    case: Case, clean: np.ndarray, cycle: np.ndarray, stream: int
+) -> tuple[np.ndarray, np.ndarray]:
+    """Blurred angles [deg] (NaN: lost frame), and which frames mistook the marker; (n,) each."""
+    rng = np.random.default_rng([case.seed, stream])
+    wrong = mistaken(case.noise, len(clean), rng)
+    blurred = clean + disturbance(case.noise, cycle, rng) + wrong
+    blurred[lost(case.noise, len(clean), rng)] = np.nan
+    return np.round(blurred, 4), wrong != 0
+
+
+def follow_up(case: Case, commands: pd.DataFrame) -> Recording:
+    """The recorded cycles and, after them, the plant's answer to a proposed block of commands.
+
+    `commands` has `time_s` (from any start) and the command columns; a column that isn't there
+    holds its last value. The block's cycles count on from the recorded ones.
+    """
+    first = case.motion.head(RECORDED_CYCLES)
+    clock = commands["time_s"].to_numpy(float)
+    time = first.time_s[-1] + HANDOVER_S + clock - clock[0]
+    pitch, yaw = (
+        commands[name].to_numpy(float) if name in commands else np.full(len(time), held[-1])
+        for name, held in ((COMMAND, first.pitch_deg), (OTHER, first.yaw_deg))
+    )
+    cycle = RECORDED_CYCLES + cycles_from_reversals(pitch)
+    block = Motion(time, cycle, np.arange(len(time)), pitch, yaw)
+    motion = Motion(
+        *(np.concatenate(pair) for pair in zip(astuple(first), astuple(block), strict=True))
+    )
+    n = len(first.time_s)
+    clean = clean_deg(case, motion)
+    before, _ = _measured(case, clean[:n], motion.cycle[:n], stream=1)
+    after, _ = _measured(case, clean[n:], motion.cycle[n:] - RECORDED_CYCLES, stream=4)
+    table = _table(
+        motion, np.concatenate([before, after]), case.nominal.angle_deg(motion.pitch_deg)
+    )
+    return Recording(table, CHANNELS, SOURCE)
 
 
 def bend_deg(case: Case, seen_deg: np.ndarray) -> np.ndarray:
@@ -67,14 +105,20 @@ def bend_deg(case: Case, seen_deg: np.ndarray) -> np.ndarray:
 
 def recordings_of(case: Case, realised: Realised) -> tuple[Recording, Recording]:
     """The recording to be diagnosed, and the same with six later cycles not measured."""
-    motion = case.motion
-    table = pd.DataFrame(
-        {
-            "time_s": motion.time_s, "cycle": motion.cycle, "step": motion.step,
-            COMMAND: motion.pitch_deg, OTHER: motion.yaw_deg,
-            MEASUREMENT: realised.measured_deg,
-            SIMULATION: np.round(realised.simulated_deg, 4),
-        }
-    )  # fmt: skip
+    table = _table(case.motion, realised.measured_deg, realised.simulated_deg)
     first = table[realised.recorded]
     return Recording(first, CHANNELS, SOURCE), Recording(table, CHANNELS, SOURCE)
+
+
+def _table(motion: Motion, measured_deg: np.ndarray, simulated_deg: np.ndarray) -> pd.DataFrame:
+    return pd.DataFrame(
+        {
+            "time_s": np.round(motion.time_s, 3),
+            "cycle": motion.cycle,
+            "step": motion.step,
+            COMMAND: motion.pitch_deg,
+            OTHER: motion.yaw_deg,
+            MEASUREMENT: measured_deg,
+            SIMULATION: np.round(simulated_deg, 4),
+        }
+    )

@@ -22,7 +22,7 @@ SMALLEST, LARGEST = 0.7, 10.0
 SMALLEST_OUTSIDE = 2.0
 SMALLEST_BEYOND = 1.0
 SMALLEST_OF_SMALL = 0.03
-EFFECTS_OF = {"none": 0, "one": 1, "two": 2, "three": 3, "small": 1}
+EFFECTS_OF = {"none": 0, "walk": 0, "one": 1, "two": 2, "three": 3, "small": 1}
 KINDS = (*EFFECTS_OF, "outside")
 EXCITATIONS = ("plain", "rich")
 BENDS = frozenset({"compliance", "gravity", "camera_tilt", "lens_distortion"})
@@ -80,6 +80,8 @@ class Case:
 def draw_cases(seed: int, counts: Mapping[str, int]) -> list[Case]:
     """As many cases of each kind (`KINDS`) as asked, half of them plain; the same for a seed.
 
+    `none` hides nothing, `walk` nothing but a zero that walks at random, `small` one effect below
+    what a diagnosis must find, `outside` one for which the catalogue has no name.
     Kinds and excitations are mixed in the list, so that a name tells nothing.
     """
     wanted = [(k, EXCITATIONS[i % 2]) for k in KINDS for i in range(counts.get(k, 0))]
@@ -104,7 +106,7 @@ def _turns(rng: np.random.Generator, wanted: list[tuple[str, str]]) -> list[str 
         if not queue:
             names = _first_names(kind, excitation)
             queue.extend(str(name) for name in rng.permutation(names))
-        turns.append(None if kind == "none" else queue.pop())
+        turns.append(queue.pop() if kind == "outside" or EFFECTS_OF[kind] else None)
     return turns
 
 
@@ -136,7 +138,7 @@ def _try_case(rng: np.random.Generator, seed: int, name: str, kind: str, excitat
     homing = float(rng.choice([0.0, 0.0, rng.choice([-1.0, 1.0]) * rng.uniform(5.0, 30.0)]))
     plant = Plant(nominal=nominal, homing_deg=homing)
     names = _names(rng, kind, excitation, first)
-    noise = _noise(rng, walk=kind == "none" and rng.random() < 0.25)
+    noise = _noise(rng, walk=kind == "walk")
     total = float(np.hypot(noise.sigma_deg, noise.jitter_deg))
     bend, tolerance = _bend(rng, kind, set(names))
     hidden: list[Hidden] = []

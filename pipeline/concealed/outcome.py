@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 
 from pipeline.concealed.cases import MEASUREMENT
+from pipeline.concealed.draw import BENDS
 from pipeline.concealed.motions import HELD_OUT, RECORDED_CYCLES
 from pipeline.concealed.seal import Truth
 
@@ -60,51 +61,69 @@ def _stands_for(named: Entry, effect: Entry) -> bool:
     return named["name"] in effect["rivals"] and effect["name"] in named.get("alternatives", [])
 
 
+@dataclass(frozen=True)
+class Answer:
+    """What was handed in for a case: its diagnosis, perhaps predictions and a second diagnosis.
+
+    `predictions` has the rows of the recording with its later cycles; `followed_up` is the
+    diagnosis after the proposed block was recorded; `seconds` is the first diagnosis's time.
+    """
+
+    diagnosis: Entry
+    predictions: pd.DataFrame | None = None
+    followed_up: Entry | None = None
+    seconds: float = float("nan")
+
+
 def outcome(
-    case: str,
-    truth: Truth,
-    diagnosis: Entry,
-    predictions: pd.DataFrame | None,
-    measured_deg: np.ndarray,
-    cycle: np.ndarray,
-    seconds: float,
+    case: str, truth: Truth, answer: Answer, measured_deg: np.ndarray, cycle: np.ndarray
 ) -> dict[str, Any]:
     """One row of the outcomes: what was hidden, what was said, whether it's right, how it fits.
 
-    `measured_deg` and `cycle` (n,) are the recording's with its later cycles; so are the rows of
-    `predictions`.
+    `measured_deg` and `cycle` (n,) are the recording's with its later cycles.
     """
-    entry = entry_of(diagnosis)
+    entry = entry_of(answer.diagnosis)
     match = matched(entry["physics"], truth)
     implied = {name for e in truth["effects"] for name in e["implied"]}
-    spurious = [
-        n for n, s in zip(match.names, match.stands_for, strict=True)
-        if s is None and n not in implied
-    ]  # fmt: skip
-    unmatched = sum(s is None for s in match.stands_for)
+    extra = [n for n, s in zip(match.names, match.stands_for, strict=True) if s is None]
     verdict = str(entry["verdict"])
     alarm = verdict != "no_mismatch" or bool(match.names)
+    sizes = [e["beside_over_noise"] for e in truth["effects"]]
     return {
         "case": case,
         "kind": truth["kind"],
         "excitation": truth["excitation"],
-        "walk": bool(truth["walk"]),
         "hidden": "+".join(sorted(e["name"] for e in truth["effects"])),
         "named": "+".join(sorted(match.names)),
         "verdict": verdict,
-        "smallest_over_noise": min((e["beside_over_noise"] for e in truth["effects"]), default=0.0),
-        "right": unmatched == 0 and not match.missed and (bool(match.names) or not alarm),
+        "smallest_over_noise": min(sizes, default=0.0),
+        "right": not extra and not match.missed and (bool(match.names) or not alarm),
         "exact": sorted(match.names) == sorted(e["name"] for e in truth["effects"]),
         "alarm": alarm,
+        "not_drift": bool(set(match.names) - {"drift"}),
         "gave_up": verdict in GIVEN_UP,
         "handled": verdict in GIVEN_UP and len(match.names) <= 1,
-        "spurious": len(spurious),
+        "spurious": sum(name not in implied for name in extra),
         "missed": "+".join(match.missed),
-        "held_out_over_noise": held_out_ratio(truth, predictions, measured_deg, cycle),
+        "resolved": _resolved(truth, answer.followed_up),
+        "held_out_over_noise": held_out_ratio(truth, answer.predictions, measured_deg, cycle),
         "claimed_over_noise": _claimed(entry, truth),
-        "later_over_noise": later_ratio(truth, predictions, cycle),
-        "seconds": seconds,
+        "later_over_noise": later_ratio(truth, answer.predictions, cycle),
+        "seconds": answer.seconds,
     }
+
+
+def _resolved(truth: Truth, diagnosis: Entry | None) -> float:
+    """1 if the second diagnosis names exactly what is hidden and no longer calls it a tie.
+
+    NaN without one, and where no motion could tell (what bends one static curve).
+    """
+    hidden = sorted(e["name"] for e in truth["effects"])
+    if diagnosis is None or set(hidden) & BENDS:
+        return float("nan")
+    entry = entry_of(diagnosis)
+    named = sorted(str(p["name"]) for p in entry["physics"])
+    return float(named == hidden and entry["verdict"] != "ambiguous")
 
 
 def held_out_ratio(truth: Truth, predictions: pd.DataFrame | None, measured_deg: np.ndarray,
@@ -126,7 +145,7 @@ def later_ratio(truth: Truth, predictions: pd.DataFrame | None, cycle: np.ndarra
 
     NaN too where the zero walks at random: commands don't determine the angle there.
     """
-    if predictions is None or truth["walk"]:
+    if predictions is None or truth["kind"] == "walk":
         return float("nan")
     later = cycle >= RECORDED_CYCLES
     error = predictions[f"{MEASUREMENT}_predicted"].to_numpy(float) - np.array(truth["clean_deg"])

@@ -19,7 +19,6 @@ def truth_of(case: Case, realised: Realised) -> Truth:
         "case": case.name,
         "kind": case.kind,
         "excitation": case.excitation,
-        "walk": case.noise.walk_deg > 0,
         "effects": [_effect(case, index) for index in range(len(case.hidden))],
         "noise": _noise(case, realised),
         "calibration": {"gain": 1.0 + case.gain_error, "offset": case.offset_deg},
