@@ -14,9 +14,10 @@ STAGES = (
     "training",
     "compensation",
     "evaluation",
+    "diagnosis",
     "review",
 )
-EXTRA_STAGES = ()
+EXTRA_STAGES = ("prediction",)
 
 
 @dataclass

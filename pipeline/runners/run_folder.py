@@ -1,0 +1,99 @@
+"""A run: what it was told, the folder that it writes, and what earlier stages left there."""
+
+import json
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TypeVar
+
+from tqdm import tqdm
+
+from pipeline.commands import SUFFIX
+from pipeline.config import Config
+from pipeline.errors import UsageError, refusal
+from pipeline.models.loop_model import LoopModel
+from pipeline.recording import Recording, load_recording
+from pipeline.split import split_cycles
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True)
+class Run:
+    """A configuration, the folder that this run writes, and one whose results it may go on from."""
+
+    config: Config
+    folder: Path
+    earlier: Path | None = None
+
+    def find(self, name: str, stage: str) -> Path:
+        """Where `name`, a result of `stage`, lies; UsageError says how to come by it."""
+        for root in (self.folder, self.earlier):
+            if root is not None and (root / name).exists():
+                return root / name
+        raise UsageError(
+            refusal(str(self.folder / name), f"what the stage {stage!r} leaves", "nothing",
+                    f"Add {stage!r} to `stages`, or name the run that did it: earlier=RUN_DIR.")
+        )  # fmt: skip
+
+    def measured(self) -> dict[str, Recording]:
+        """The recording of every axis that has both a command and a measured angle."""
+        if self.config.recording is not None:
+            folders = [Path(self.config.recording)]
+        else:
+            folders = sorted(self.find("vision", "vision").iterdir())
+        recordings = [load_recording(folder) for folder in folders]
+        found = {axis: recording for recording in recordings for axis in measured_axes(recording)}
+        if not found:
+            raise UsageError(
+                refusal(str(folders[0]), "channels <axis>_command_deg and <axis>_angle_deg",
+                        ", ".join(c.name for c in recordings[0].channels),
+                        "Name the channels so, or look at the frames first: stages=[vision,...].")
+            )  # fmt: skip
+        return found
+
+    def models(self) -> dict[str, LoopModel]:
+        """The trained model of every axis."""
+        files = sorted(self.find("training", "training").glob("*.json"))
+        return self.in_order(
+            {file.stem: LoopModel.from_json(json.loads(file.read_text())) for file in files}
+        )
+
+    def in_order(self, by_axis: Mapping[str, T]) -> dict[str, T]:
+        """The axes in the order in which they are recorded, others behind."""
+        known = [axis for axis in self.config.acquisition.axes if axis in by_axis]
+        return {axis: by_axis[axis] for axis in (*known, *sorted(set(by_axis) - set(known)))}
+
+    def split(self, recordings: Mapping[str, Recording]) -> tuple[list[int], list[int]]:
+        """Training and test cycles, out of those that all recordings have."""
+        cycles = [set(r.samples["cycle"].unique()) for r in recordings.values()]
+        return split_cycles(self.config.split, sorted(set.intersection(*cycles)))
+
+
+def measured_axes(recording: Recording) -> list[str]:
+    """Axes of a recording: those with a command and a measured angle."""
+    commands = {c.name.removesuffix(SUFFIX) for c in recording.with_role("command")}
+    measured = (c.name.removesuffix("_angle_deg") for c in recording.with_role("measurement"))
+    return [axis for axis in measured if axis in commands]
+
+
+@contextmanager
+def progress_bar(title: str, total: int) -> Iterator[Callable[[int], None]]:
+    """A bar on the terminal; in a plain log a line now and then."""
+    with tqdm(total=total, desc=f"  {title}", mininterval=0.5, maxinterval=5.0, leave=False) as bar:
+        yield lambda count: bar.update(count) and None
+
+
+def made(folder: Path) -> Path:
+    """The folder, made with its parents where it was not there."""
+    folder.mkdir(parents=True, exist_ok=True)
+    return folder
+
+
+def fresh(parent: Path, name: str) -> Path:
+    """`parent`/`name`-1, or with the first number that isn't there yet; made."""
+    number = 1
+    while (parent / f"{name}-{number}").exists():
+        number += 1
+    return made(parent / f"{name}-{number}")
