@@ -326,7 +326,7 @@ def _log_notes(
     stream: rr.RecordingStream, axis: str, markers: pd.DataFrame, time_s: np.ndarray
 ) -> None:
     """One line for each frame that was set aside, with the reason."""
-    reason = markers["reason"].fillna("").astype(str).to_numpy()
+    reason = markers["reason"].astype(object).fillna("").to_numpy(str)
     outlier = markers["outlier"].to_numpy(bool)
     noted = np.flatnonzero(outlier | (reason != ""))
     if not len(noted):
