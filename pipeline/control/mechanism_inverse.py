@@ -29,9 +29,9 @@ def follow_mechanism(
 ) -> list[Solution]:
     """Commands for a path of desired angles [deg], one every `interval_s`, within the bounds.
 
-    lead_in_deg: commands that the mechanism has followed before, from rest at home; other axes stand
-    at 0. A target beyond the bounds is `unreachable` and the command stands
-    there; one that the response jumps over (no memory-free angle gives it) is `max_iterations`.
+    lead_in_deg: commands that the mechanism has followed before, from rest at home; other axes
+    stand at 0. A target beyond the bounds is `unreachable` and the command stands there; one that
+    the response jumps over is `max_iterations`.
     """
     walk = _Walk(mechanism, interval_s)
     for command in (HOME.command_deg, *lead_in_deg):
