@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from pipeline.discrepancy.model import CorrectedModel
+from pipeline.discrepancy.locate import Located
 from pipeline.discrepancy.noise import NoiseModel
 from pipeline.physics.mechanism import Mechanism
 from pipeline.physics.motion import Motion
@@ -122,6 +123,8 @@ class Evidence:
     before, after: predictions of the simulation as it came and with the named terms.
     deviation: standard deviation of `after` against the measurement. noise: as learnt.
     hypotheses: the best first; its mechanism is what `after` was made with.
+    located, located_after: where the residual of the rows that a fit may use lies, before and
+    after, with the lines of its pictures.
     """
 
     recording: Recording
@@ -138,6 +141,8 @@ class Evidence:
     deviation: np.ndarray
     noise: NoiseModel
     hypotheses: tuple[Hypothesis, ...]
+    located: tuple[Located, ...] = ()
+    located_after: tuple[Located, ...] = ()
 
     @property
     def residual_before(self) -> np.ndarray:

@@ -1,0 +1,40 @@
+"""What a diagnosis says beside its names: where the residual lies, and what to record next."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from pipeline.discrepancy.locate import Located, locate
+from pipeline.discrepancy.next_experiment import Proposal, next_experiment
+from pipeline.discrepancy.result import Diagnosis, Evidence, Location, NextExperiment
+
+
+def with_account(
+    diagnosis: Diagnosis, evidence: Evidence, commands_file: str
+) -> tuple[Diagnosis, Evidence, Proposal | None]:
+    """The diagnosis with its locations and next experiment; `commands_file` will hold its commands.
+
+    Only rows that a fit may use are looked at: held-out rows have no say.
+    """
+    located = located_in(evidence, evidence.residual_before)
+    after = located_in(evidence, evidence.residual_after)
+    proposal = next_experiment(evidence, diagnosis.verdict)
+    location = tuple(Location(p.coordinate, p.share, p.p_value, p.where) for p in located)
+    proposed = None
+    if proposal is not None:
+        file = None if proposal.commands is None else commands_file
+        proposed = NextExperiment(proposal.why, file)
+    return (
+        replace(diagnosis, location=location, next_experiment=proposed),
+        replace(evidence, located=located, located_after=after),
+        proposal,
+    )
+
+
+def located_in(evidence: Evidence, residual: np.ndarray) -> tuple[Located, ...]:
+    """Where a residual, shape (n,), of the rows that a fit may use lies."""
+    looked_at = np.where(evidence.train & evidence.used, residual, np.nan)
+    recording = evidence.recording
+    unit = recording.channel(evidence.measurement).unit
+    drive_unit = recording.channel(evidence.drive).unit
+    return tuple(locate(looked_at, evidence.motion, evidence.before, unit, drive_unit))
