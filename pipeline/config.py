@@ -17,7 +17,7 @@ STAGES = (
     "diagnosis",
     "review",
 )
-EXTRA_STAGES = ("prediction",)
+EXTRA_STAGES = ("prediction", "concealed")
 
 
 @dataclass
@@ -248,6 +248,17 @@ class DiagnosisConfig:
 
 
 @dataclass
+class ConcealedConfig:
+    """The concealed benchmark: its seed, and how many cases of each kind (half of them plain)."""
+
+    seed: int = 0
+    counts: dict[str, int] = field(
+        default_factory=lambda: {"none": 100, "walk": 40, "one": 100, "two": 60, "three": 40,
+                                 "outside": 60, "small": 40}
+    )  # fmt: skip
+
+
+@dataclass
 class Config:
     """Everything that one run is told."""
 
@@ -268,6 +279,7 @@ class Config:
     evaluation: EvaluationConfig = field(default_factory=EvaluationConfig)
     simulation: SimulationConfig = field(default_factory=SimulationConfig)
     diagnosis: DiagnosisConfig = field(default_factory=DiagnosisConfig)
+    concealed: ConcealedConfig = field(default_factory=ConcealedConfig)
 
 
 STEP_RULES: dict[str, type[StepRuleConfig]] = {

@@ -1,8 +1,6 @@
 """Quantities of a hidden effect that a diagnosis can be held to, whatever its own formulas."""
 
 from pipeline.concealed.draw import Case, Hidden
-from pipeline.concealed.plant import WIRE_STIFFNESS
-from pipeline.concealed.wires import BENDING_STIFFNESS
 
 Quantity = dict[str, str | float]
 
@@ -25,7 +23,8 @@ def comparable(case: Case, hidden: Hidden) -> list[Quantity]:
         case "slack" if number["straightening_deg"] == 0.0:
             return [_quantity("width", 2.0 * size, "deg")]
         case "creep" if "second_dashpot_s" not in number:
-            return [_quantity("time_constant", number["dashpot_s"] * _free_to_held(size), "s")]
+            slower = _free_to_held(size, case.nominal.gain)
+            return [_quantity("time_constant", number["dashpot_s"] * slower, "s")]
         case "coupling" if number["other_lever_even"] == 0.0:
             return [_quantity("gain", case.nominal.gain * gain * size, "deg/deg")]
         case "frame_lag" if "stale_s" in number:
@@ -41,10 +40,9 @@ def _quantity(name: str, value: float, unit: str) -> Quantity:
     return {"name": name, "value": float(value), "unit": unit}
 
 
-def _free_to_held(share: float) -> float:
-    """How much slower the joint creeps than its dashpot relaxes when held still.
+def _free_to_held(share: float, gain: float) -> float:
+    """How much slower the joint creeps than its dashpot relaxes when held still: (k + b) / k.
 
-    With the joint on springs of stiffness k and a branch of stiffness b: (k + b) / k.
+    Springs of stiffness k = 2 wires / gain hold the joint; its branch has b = share * 2 wires.
     """
-    springs = 2 * WIRE_STIFFNESS + BENDING_STIFFNESS
-    return 1.0 + share * 2 * WIRE_STIFFNESS / springs
+    return 1.0 + share * gain
