@@ -6,6 +6,7 @@ from pathlib import Path
 
 from pipeline.config import Config
 from pipeline.runners.acquisition import run_acquisition, run_vision
+from pipeline.runners.concealed import run_concealed
 from pipeline.runners.diagnosis import run_diagnosis, run_prediction
 from pipeline.runners.evaluation import run_evaluation
 from pipeline.runners.models import run_compensation, run_selection, run_training
@@ -22,6 +23,7 @@ RUNNERS: dict[str, Callable[[Run], None]] = {
     "diagnosis": run_diagnosis,
     "prediction": run_prediction,
     "review": run_review,
+    "concealed": run_concealed,
 }
 
 

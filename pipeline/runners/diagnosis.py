@@ -1,12 +1,18 @@
 """Diagnosis and prediction of a run: what a simulation left out, and what it says without it."""
 
 import json
+from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import pandas as pd
 
+from pipeline.config import DiagnosisConfig
 from pipeline.discrepancy import model as stored
-from pipeline.discrepancy.result import DiagnosisResult, Evidence, as_json
+from pipeline.discrepancy.account import with_account
+from pipeline.discrepancy.model import CorrectedModel
+from pipeline.discrepancy.next_experiment import Proposal
+from pipeline.discrepancy.result import Diagnosis, Evidence, as_json
 from pipeline.errors import UsageError, refusal
 from pipeline.recording import Recording, load_recording, save_recording, write_atomically
 from pipeline.runners.run_folder import Run, made
@@ -17,31 +23,76 @@ from pipeline.stages.simulation import simulate
 MODEL_FILE = "model.json"
 
 
+@dataclass(frozen=True)
+class Answered:
+    """What a diagnosis left: entries, evidence and models by measurement, and proposed commands."""
+
+    diagnoses: tuple[Diagnosis, ...]
+    evidence: tuple[Evidence, ...]
+    models: tuple[CorrectedModel, ...]
+    proposals: tuple[Proposal | None, ...]
+
+
 def run_diagnosis(run: Run) -> None:
     """Diagnose a recording, or all that vision left; diagnosis.json has an entry a measurement."""
     recordings = {
         name: simulate(run.config.simulation, recording)
         for name, recording in _recordings(run).items()
     }
-    results = [diagnose(run.config.diagnosis, recording) for recording in recordings.values()]
-    result = DiagnosisResult(
-        tuple(d for r in results for d in r.diagnoses),
-        tuple(e for r in results for e in r.evidence),
-        tuple(m for r in results for m in r.models),
-    )
     for name, recording in recordings.items():
         save_recording(recording, run.folder / "diagnosis" / name)
-    for evidence in result.evidence:
+    answered = answer(run.config.diagnosis, list(recordings.values()))
+    write_answer(answered, run.folder)
+    for evidence in answered.evidence:
         file = made(run.folder / "diagnosis") / f"{evidence.measurement}.csv"
         write_atomically(file, _table(evidence).to_csv(index=False))
-    models = {"models": [stored.as_json(model) for model in result.models]}
-    write_atomically(run.folder / MODEL_FILE, json.dumps(models))
-    write_atomically(run.folder / "diagnosis.json", json.dumps(as_json(result.diagnoses), indent=1))
-    for diagnosis in result.diagnoses:
-        names = ", ".join(p.name for p in diagnosis.physics) or "nothing named"
-        print(f"  {diagnosis.measurement}: {diagnosis.verdict} ({names}); held-out RMSE "
-              f"{diagnosis.before.heldout_rmse:.3g} -> {diagnosis.after.heldout_rmse:.3g} "
-              f"{diagnosis.unit}, noise {diagnosis.noise:.3g}")  # fmt: skip
+    for diagnosis in answered.diagnoses:
+        print(f"  {summary(diagnosis)}")
+
+
+def answer(config: DiagnosisConfig, recordings: Sequence[Recording]) -> Answered:
+    """Diagnose recordings that bring their simulations; say where and what next."""
+    results = [diagnose(config, recording) for recording in recordings]
+    diagnoses = [d for r in results for d in r.diagnoses]
+    evidence = [e for r in results for e in r.evidence]
+    accounts = [
+        with_account(d, e, commands_file(d.measurement, len(diagnoses)))
+        for d, e in zip(diagnoses, evidence, strict=True)
+    ]
+    return Answered(
+        tuple(d for d, _, _ in accounts),
+        tuple(e for _, e, _ in accounts),
+        tuple(m for r in results for m in r.models),
+        tuple(p for _, _, p in accounts),
+    )
+
+
+def commands_file(measurement: str, measurements: int) -> str:
+    """Where the commands proposed for a measurement stand, in a run of so many measurements."""
+    return "next_commands.csv" if measurements == 1 else f"next_commands_{measurement}.csv"
+
+
+def write_answer(answered: Answered, folder: Path) -> None:
+    """Write diagnosis.json, the models that predict, and the proposed commands."""
+    models = {"models": [stored.as_json(model) for model in answered.models]}
+    write_atomically(made(folder) / MODEL_FILE, json.dumps(models))
+    for diagnosis, proposal in zip(answered.diagnoses, answered.proposals, strict=True):
+        if proposal is not None and proposal.commands is not None:
+            file = commands_file(diagnosis.measurement, len(answered.diagnoses))
+            write_atomically(folder / file, proposal.commands.to_csv(index=False))
+    write_atomically(folder / "diagnosis.json", json.dumps(as_json(answered.diagnoses), indent=1))
+
+
+def summary(diagnosis: Diagnosis) -> str:
+    """A diagnosis in a line."""
+    names = " + ".join(
+        " or ".join((physics.name, *physics.alternatives)) for physics in diagnosis.physics
+    )
+    return (
+        f"{diagnosis.measurement}: {diagnosis.verdict}{f', {names}' if names else ''}; held-out "
+        f"RMSE {diagnosis.before.heldout_rmse:.3g} -> {diagnosis.after.heldout_rmse:.3g} "
+        f"{diagnosis.unit} (noise {diagnosis.noise:.3g})"
+    )
 
 
 def run_prediction(run: Run) -> None:
@@ -59,14 +110,19 @@ def run_prediction(run: Run) -> None:
             refusal(str(file), "the model that a diagnosis left", "no such file",
                     "Point `model=` at the folder of a run with stages=[diagnosis].")
         )  # fmt: skip
-    commands = [c.name for c in recording.with_role("command")]
-    models = [
-        stored.from_json(entry, [c for c in commands if c != entry["drive"]])
-        for entry in json.loads(file.read_text())["models"]
-    ]
+    models = stored_models(file, recording)
     predictions = predict(models, recording)
     write_atomically(run.folder / "predictions.csv", predictions.to_csv(index=False))
     print(f"  {len(predictions)} rows in {run.folder / 'predictions.csv'}")
+
+
+def stored_models(file: Path, recording: Recording) -> list[CorrectedModel]:
+    """The models of a run's model.json, for the commands of a recording."""
+    commands = [c.name for c in recording.with_role("command")]
+    return [
+        stored.from_json(entry, [c for c in commands if c != entry["drive"]])
+        for entry in json.loads(file.read_text())["models"]
+    ]
 
 
 def _recordings(run: Run) -> dict[str, Recording]:
