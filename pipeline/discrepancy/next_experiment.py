@@ -1,0 +1,280 @@
+"""The next experiment: the block of motion that best separates explanations that tie."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import combinations
+
+import numpy as np
+import pandas as pd
+from scipy.stats import norm
+
+from pipeline.discrepancy.blocks import Block, Habit, blocks, exploring, habit_of
+from pipeline.discrepancy.noise import NoiseModel
+from pipeline.discrepancy.result import Evidence, Hypothesis
+from pipeline.discrepancy.ties import BENDS
+from pipeline.physics.mechanism import Mechanism, Piece
+from pipeline.physics.motion import Motion
+
+DECISIVE = 4.5
+ENOUGH_POWER = 0.95
+HOPELESS = 0.3
+LEAST_PROBABILITY = 0.02
+MOST_RIVALS = 4
+DIFFERENCE = 1e-3
+FREEDOM = 3.0
+
+
+@dataclass(frozen=True)
+class Proposal:
+    """What to record next.
+
+    commands: `time_s` and the commands under their recording names; None where no motion helps.
+    why: in words. power: probability that the explanations which tie will be told apart; None
+    where nothing ties and the block explores.
+    """
+
+    why: str
+    commands: pd.DataFrame | None
+    power: float | None
+
+
+@dataclass(frozen=True)
+class Weighed:
+    """A block, its motion, and for each pair of rivals (p,): power, and how far apart (rms)."""
+
+    block: Block
+    motion: Motion
+    power: np.ndarray
+    apart: np.ndarray
+
+    @property
+    def minutes(self) -> float:
+        return float(np.ptp(self.motion.time_s)) / 60.0
+
+
+def next_experiment(evidence: Evidence, verdict: str) -> Proposal | None:
+    """What to record after a verdict; None where nothing is open or the drive never moved."""
+    drive = Drive.of(evidence)
+    if drive.habit is None or verdict == "no_mismatch":
+        return None
+    if verdict in ("partly_explained", "unknown_physics"):
+        return explore(drive, drive.habit)
+    rivals = rivals_of(evidence.hypotheses)
+    return separate(evidence, drive, drive.habit, rivals) if len(rivals) > 1 else None
+
+
+def separate(
+    evidence: Evidence, drive: "Drive", habit: Habit, rivals: Sequence[Hypothesis]
+) -> Proposal:
+    """The shortest block that tells rivals (two or more) apart with 95 %, or the best one.
+
+    Each is taken as true in turn; how far another one, all its parameters and the calibration
+    refitted, stays from it in whitened units, D, gives the log likelihood ratio N(D^2 / 2, D^2),
+    and the power is the chance that it exceeds 4.5, the worst pair's counted (T-optimality:
+    Atkinson and Fedorov, Biometrika 62, 1975). Pairs that no block separates are said, and left
+    out. Blocks keep to the range that was recorded.
+    """
+    weighed = [weigh(block, drive, evidence, rivals) for block in blocks(habit)]
+    pairs = list(combinations(rivals, 2))
+    hopeful = np.max([w.power for w in weighed], axis=0) >= HOPELESS
+    alike = [pair for pair, hope in zip(pairs, hopeful, strict=True) if not hope]
+    if not np.any(hopeful):
+        return Proposal(f"no motion within the recorded range would separate {told_apart(rivals)}: "
+                        + why_alike(rivals), None, 0.0)  # fmt: skip
+    best = choice_of(weighed, hopeful)
+    apart = [pair for pair, hope in zip(pairs, hopeful, strict=True) if hope]
+    power, rms = float(best.power[hopeful].min()), float(best.apart[hopeful].min())
+    unit = evidence.recording.channel(evidence.measurement).unit
+    why = (
+        f"would separate {told_apart_pairs(apart)}: {best.block.says}, {length(best.minutes)}. "
+        f"They would differ by {rms:.2g} {unit} there (noise {evidence.noise.deviation:.2g} "
+        f"{unit}), which decides with a probability of {min(power, 0.99):.2f}"
+    )
+    if alike:
+        why += f". No motion would separate {told_apart_pairs(alike)}"
+    return Proposal(why, drive.table(best.block), power)
+
+
+def explore(drive: "Drive", habit: Habit) -> Proposal:
+    """A block that varies what a recording can vary, where no explanation fits."""
+    block = exploring(habit)
+    minutes = length(sum(float(s.dwell_s.sum()) for s in block.segments) / 60.0)
+    why = f"would show what the unexplained rest depends on: {block.says}, {minutes}"
+    return Proposal(why, drive.table(block), None)
+
+
+def rivals_of(hypotheses: Sequence[Hypothesis]) -> list[Hypothesis]:
+    """The likely explanations of which none only adds names to another."""
+    likely = [h for h in hypotheses if h.probability >= LEAST_PROBABILITY]
+    least = [h for h in likely if not any(set(o.names) < set(h.names) for o in likely)]
+    return least[:MOST_RIVALS]
+
+
+@dataclass(frozen=True)
+class Drive:
+    """How commands make the drive of a mechanism: the command itself, or a trace that follows it.
+
+    leader: the command that drives most. weights: what each command adds to the drive, with
+    `offset`, where a simulation's trace drives. beside: commands that terms see as other ones.
+    """
+
+    leader: str
+    habit: Habit | None
+    names: Sequence[str]
+    homes: Mapping[str, float]
+    weights: Mapping[str, float]
+    offset: float
+    beside: Sequence[str]
+    radian: float
+    begin_s: float
+    cycle: int
+
+    @staticmethod
+    def of(evidence: Evidence) -> "Drive":
+        """From the recording and the motion that the hypotheses were fitted to."""
+        recording, motion = evidence.recording, evidence.motion
+        commands = {c.name: recording.values(c.name) for c in recording.with_role("command")}
+        weights, offset = {evidence.drive: 1.0}, 0.0
+        if evidence.drive not in commands or not evidence.static:
+            columns = np.column_stack([*commands.values(), np.ones(len(motion))])
+            solved = np.linalg.lstsq(columns, motion.drive, rcond=None)[0]
+            weights, offset = dict(zip(commands, solved[:-1], strict=True)), float(solved[-1])
+        leader = max(weights, key=lambda n: abs(weights[n]) * float(np.ptp(commands[n])))
+        others = {n: u for n, u in commands.items() if n != leader}
+        habit = habit_of(motion.time_s, commands[leader], others)
+        moved = habit.others if habit else {}
+        return Drive(
+            leader=leader,
+            habit=habit,
+            names=tuple(commands),
+            homes={n: moved[n][1] if n in moved else float(u[0]) for n, u in commands.items()},
+            weights=weights,
+            offset=offset,
+            beside=tuple(motion.others),
+            radian=motion.radian,
+            begin_s=float(motion.time_s[-1]),
+            cycle=int(motion.cycle[-1]) + 1,
+        )
+
+    def table(self, block: Block) -> pd.DataFrame:
+        """`time_s` from 0 and every command, a row for each sample."""
+        dwell_s = np.concatenate([s.dwell_s for s in block.segments])
+        columns = {"time_s": np.round(np.cumsum(dwell_s) - dwell_s[0], 3)}
+        for name in self.names:
+            still = self.homes[name]
+            parts = [
+                s.drive if name == self.leader else s.others.get(name, np.full(len(s.drive), still))
+                for s in block.segments
+            ]
+            columns[name] = np.round(np.concatenate(parts), 6)
+        return pd.DataFrame(columns)
+
+    def motion(self, block: Block) -> Motion:
+        """What the block would put into a mechanism, in time after the recording."""
+        table = self.table(block)
+        drive = sum((w * table[n].to_numpy() for n, w in self.weights.items()),
+                    np.full(len(table), self.offset))  # fmt: skip
+        cycle = np.repeat(np.arange(len(block.segments)), [len(s.drive) for s in block.segments])
+        return Motion(
+            drive=np.ascontiguousarray(drive),
+            time_s=table["time_s"].to_numpy() + self.begin_s,
+            cycle=self.cycle + cycle,
+            others={n: table[n].to_numpy() for n in self.beside},
+            radian=self.radian,
+        )
+
+
+def weigh(block: Block, drive: Drive, evidence: Evidence, rivals: Sequence[Hypothesis]) -> Weighed:
+    """What a block would tell of each pair of rivals, the worse way round."""
+    motion = drive.motion(block)
+    answers = [rival.mechanism.respond(motion)[0] for rival in rivals]
+    slopes = [slopes_of(rival.mechanism, motion) for rival in rivals]
+    found = []
+    for i, j in combinations(range(len(rivals)), 2):
+        off = answers[i] - answers[j]
+        ways = [separation(off, slopes[k], evidence.noise, motion) for k in (i, j)]
+        found.append(min(ways))
+    power = np.array([power_of(distance) for distance, _ in found])
+    return Weighed(block, motion, power, np.array([rms for _, rms in found]))
+
+
+def separation(
+    difference: np.ndarray, slopes: np.ndarray, noise: NoiseModel, motion: Motion
+) -> tuple[float, float]:
+    """What refitting can't remove of a difference (n,): whitened length, and rms in its unit.
+
+    slopes: (n, p) of the answer for one usual size of each parameter that may be refitted.
+    """
+    used = np.ones(len(difference), dtype=bool)
+    white = noise.whiten(np.column_stack([difference, slopes]), motion.cycle, used)
+    free = np.vstack([white[:, 1:], np.eye(slopes.shape[1]) / FREEDOM])
+    target = np.concatenate([white[:, 0], np.zeros(slopes.shape[1])])
+    refit = np.linalg.lstsq(free, target, rcond=None)[0]
+    left = difference - slopes @ refit
+    return (
+        float(np.linalg.norm(target - free @ refit)),
+        float(np.sqrt(np.mean(left**2))),
+    )
+
+
+def power_of(distance: float) -> float:
+    """Chance that a log likelihood ratio N(D^2 / 2, D^2) exceeds what decides."""
+    if distance <= 0.0:
+        return 0.0
+    return float(norm.cdf(0.5 * distance - DECISIVE / distance))
+
+
+def slopes_of(mechanism: Mechanism, motion: Motion) -> np.ndarray:
+    """Change of the answer, (n, p), for a usual size of gain, offset and each parameter."""
+    answer = mechanism.respond(motion)[0]
+    columns = [answer - np.mean(answer), np.ones(len(answer)) * max(float(np.std(answer)), 1e-9)]
+    for place, piece in enumerate(mechanism.pieces):
+        for k, value in enumerate(piece.values):
+            size = abs(float(value)) or 1.0
+            values = piece.values.copy()
+            values[k] += DIFFERENCE * size
+            pieces = list(mechanism.pieces)
+            pieces[place] = Piece(piece.term, values)
+            moved = replace(mechanism, pieces=tuple(pieces)).respond(motion)[0]
+            columns.append((moved - answer) / DIFFERENCE)
+    out = np.column_stack(columns)
+    return np.where(np.isfinite(out), out, 0.0)
+
+
+def choice_of(weighed: Sequence[Weighed], pairs: np.ndarray) -> Weighed:
+    """The shortest that is powerful enough for the wanted pairs (mask), else the most powerful."""
+    enough = [w for w in weighed if w.power[pairs].min() >= ENOUGH_POWER]
+    if enough:
+        return min(enough, key=lambda w: w.minutes)
+    return max(weighed, key=lambda w: (w.power[pairs].min(), w.apart[pairs].min()))
+
+
+def told_apart(rivals: Sequence[Hypothesis]) -> str:
+    """`backlash from friction`: the names in which rivals differ."""
+    shared = set.intersection(*(set(r.names) for r in rivals))
+    own = [" with ".join(sorted(set(r.names) - shared)) or "nothing" for r in rivals]
+    return " from ".join([own[0], " and ".join(dict.fromkeys(own[1:]))])
+
+
+def told_apart_pairs(pairs: Sequence[tuple[Hypothesis, Hypothesis]]) -> str:
+    """As `told_apart`, for pairs; those of the first rival are said together."""
+    first = pairs[0][0]
+    together = [other for one, other in pairs if one is first]
+    rest = [pair for pair in pairs if pair[0] is not first]
+    words = told_apart([first, *together])
+    return f"{words}, {told_apart_pairs(rest)}" if rest else words
+
+
+def why_alike(rivals: Sequence[Hypothesis]) -> str:
+    """Why no motion helps, and what would."""
+    shared = set.intersection(*(set(r.names) for r in rivals))
+    if all(set(r.names) - shared <= set(BENDS) for r in rivals):
+        return "each bends the same curve; turn the camera or change the load"
+    return "they answer alike to all that was tried"
+
+
+def length(minutes: float) -> str:
+    """`52 minutes`, `1.8 hours` or `40 s`."""
+    if minutes >= 100.0:
+        return f"{minutes / 60.0:.1f} hours"
+    return f"{minutes:.0f} minutes" if minutes >= 2.0 else f"{60.0 * minutes:.0f} s"
