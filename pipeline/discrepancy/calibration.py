@@ -6,13 +6,14 @@ import numpy as np
 
 from pipeline.config import ToleranceConfig
 from pipeline.physics.kinematics import SmoothError, legendre
+from pipeline.physics.mechanism import Trace
 
 SHAPES = 3
 
 
 @dataclass(frozen=True)
 class Nuisances:
-    """measurement = gain * a + offset + sum_k bend_k P_k(a), a the mechanism's angle.
+    """measurement = gain * seen + offset + sum_k bend_k P_k(seen), see `Mechanism.trace`.
 
     P_k are Legendre polynomials (orders 2 to 4) over the simulated range, see `SmoothError`. Gain, offset and bends have Gaussian priors about 1, 0 and 0.
     """
@@ -26,13 +27,13 @@ class Nuisances:
         """Prior means, (m,): gain, offset, bends."""
         return np.eye(1, len(self.deviations))[0]
 
-    def columns(self, angle: np.ndarray) -> np.ndarray:
+    def columns(self, trace: Trace) -> np.ndarray:
         """What gain, offset and bends multiply, (n, m)."""
-        out = np.empty((len(angle), len(self.deviations)))
-        out[:, 0] = angle
+        out = np.empty((len(trace.seen), len(self.deviations)))
+        out[:, 0] = trace.seen
         out[:, 1] = 1.0
         if out.shape[1] > 2:
-            out[:, 2:] = legendre((angle - self.middle) / self.half_range)
+            out[:, 2:] = legendre((trace.seen - self.middle) / self.half_range)
         return out
 
     def error(self, nuisance: np.ndarray) -> SmoothError | None:

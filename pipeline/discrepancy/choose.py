@@ -19,6 +19,7 @@ MOST_TERMS = 4
 TERM_COST = 8.0
 LEAST_GAIN = 6.0
 AT_BOUND = 1.0
+SECOND_SIDE = 1.0
 UNLIKELY = {"response_lag": 8.0}
 
 
@@ -39,7 +40,22 @@ class Search:
     family: NoiseFamily
 
     def weighed(self, fit: Fit, place: tuple[int, int, int], iterations: int = 4) -> Choice:
-        """A fit under the noise that suits its own residual, refitted there, and its score."""
+        """A fit under the noise that suits its own residual, refitted there, and its score.
+
+        Begun from the noise given and, where that wanders, also from noise that does not: else a
+        walk takes over what a drift should explain.
+        """
+        choice = self._weighed_from(fit, place, iterations)
+        if choice.place[1] > 0 or choice.place[2] > 0:
+            still = (choice.place[0], 0, 0)
+            residual = np.where(fit.ground.used, fit.ground.problem.measured - fit.predicted, 0.0)
+            noise = self.family.noise_at(still, self.family.weigh(still, residual)[1])
+            settled = improve(evaluate(fit.ground.with_noise(noise), fit.pieces), iterations)
+            other = self._weighed_from(settled, still, iterations)
+            choice = min(choice, other, key=lambda c: c.score)
+        return choice
+
+    def _weighed_from(self, fit: Fit, place: tuple[int, int, int], iterations: int) -> Choice:
         residual = fit.ground.problem.measured - fit.predicted
         noise, place = self.family.pick(residual, place)
         ground = fit.ground.with_noise(noise)
@@ -53,10 +69,11 @@ class Search:
 def complexity(fit: Fit) -> float:
     """The charge for a fit's terms and for those of their parameters that are not at a bound."""
     charge = 0.0
-    for piece in fit.pieces:
-        charge += TERM_COST + UNLIKELY.get(piece.term.name, 0.0)
+    for i, piece in enumerate(fit.pieces):
+        again = piece.term.name in fit.names[:i]
+        charge += (SECOND_SIDE if again else TERM_COST) + UNLIKELY.get(piece.term.name, 0.0)
         for p, value in zip(parameters_of(fit.ground, piece.term), piece.values, strict=True):
-            inside = p.low < value < p.high
+            inside = p.low < value < p.high and not p.weak
             charge += np.log(independent(fit.ground)) if inside else AT_BOUND
     return charge
 

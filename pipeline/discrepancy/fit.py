@@ -9,7 +9,7 @@ import numpy as np
 from pipeline.discrepancy.calibration import Nuisances, nuisances_of
 from pipeline.discrepancy.noise import NoiseModel, whitened
 from pipeline.discrepancy.problem import Problem
-from pipeline.physics.mechanism import Mechanism, Piece
+from pipeline.physics.mechanism import Mechanism, Piece, Trace
 from pipeline.physics.term import Parameter, Term
 
 ITERATIONS = 12
@@ -69,13 +69,13 @@ def ground_of(problem: Problem, noise: NoiseModel, used: np.ndarray) -> Ground:
 class Fit:
     """Terms with fitted values. cost: -2 log(likelihood x priors) without constants.
 
-    nuisance: (m,) gain, offset, bends. angle: (n,) the mechanism's angle without calibration.
+    nuisance: (m,) gain, offset, bends. trace: the mechanism's angles without calibration.
     """
 
     ground: Ground
     pieces: tuple[Piece, ...]
     nuisance: np.ndarray
-    angle: np.ndarray
+    trace: Trace
     cost: float
     innovations: np.ndarray = field(repr=False, default_factory=lambda: np.zeros(0))
 
@@ -86,7 +86,7 @@ class Fit:
     @property
     def predicted(self) -> np.ndarray:
         """The measurement that the fit expects in each row, (n,)."""
-        return self.ground.nuisances.columns(self.angle) @ self.nuisance
+        return self.ground.nuisances.columns(self.trace) @ self.nuisance
 
     @property
     def free(self) -> int:
@@ -102,15 +102,15 @@ def parameters_of(ground: Ground, term: Term) -> tuple[Parameter, ...]:
     return term.parameters(ground.problem.around)
 
 
-def respond(ground: Ground, pieces: Sequence[Piece]) -> np.ndarray:
-    """The mechanism's angle over all rows, without calibration."""
-    return Mechanism(ground.problem.curve, pieces).respond(ground.problem.motion)[0]
+def respond(ground: Ground, pieces: Sequence[Piece]) -> Trace:
+    """The mechanism's angles over all rows, without calibration."""
+    return Mechanism(ground.problem.curve, pieces).trace(ground.problem.motion)
 
 
 def evaluate(ground: Ground, pieces: Sequence[Piece]) -> Fit:
     """The fit with these values; gain, offset and bends by linear least squares."""
-    angle = respond(ground, pieces)
-    columns = ground.whiten(ground.nuisances.columns(angle))
+    trace = respond(ground, pieces)
+    columns = ground.whiten(ground.nuisances.columns(trace))
     weights = 1.0 / ground.nuisances.deviations
     normal = columns.T @ columns + np.diag(weights**2)
     expected = ground.nuisances.expected
@@ -118,7 +118,7 @@ def evaluate(ground: Ground, pieces: Sequence[Piece]) -> Fit:
     innovations = ground.data - columns @ nuisance
     cost = float(innovations @ innovations + np.sum(((nuisance - expected) * weights) ** 2))
     cost += 2.0 * ground.log_scale + prior_cost(ground, pieces)
-    return Fit(ground, tuple(pieces), nuisance, angle, cost, innovations)
+    return Fit(ground, tuple(pieces), nuisance, trace, cost, innovations)
 
 
 def prior_cost(ground: Ground, pieces: Sequence[Piece]) -> float:
@@ -143,7 +143,7 @@ def jacobian(fit: Fit) -> np.ndarray:
     """
     ground = fit.ground
     predicted = fit.predicted
-    columns = np.zeros((len(fit.angle), fit.free))
+    columns = np.zeros((len(fit.trace.seen), fit.free))
     steps = np.ones(fit.free)
     k = 0
     for i, piece in enumerate(fit.pieces):
@@ -211,7 +211,7 @@ def improve(fit: Fit, iterations: int = ITERATIONS) -> Fit:
 def _beside_nuisances(fit: Fit, slopes: np.ndarray) -> np.ndarray:
     """Slopes less what gain, offset and bends take over of them."""
     ground = fit.ground
-    columns = ground.whiten(ground.nuisances.columns(fit.angle))
+    columns = ground.whiten(ground.nuisances.columns(fit.trace))
     weights = 1.0 / ground.nuisances.deviations
     stacked = columns.T @ columns + np.diag(weights**2)
     return slopes - columns @ np.linalg.solve(stacked, columns.T @ slopes)

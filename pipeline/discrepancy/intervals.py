@@ -18,7 +18,7 @@ def covariance_of(fit: Fit) -> np.ndarray:
     With the priors of both; inflated where the innovations are larger than they should be.
     """
     ground = fit.ground
-    columns = [ground.whiten(ground.nuisances.columns(fit.angle))]
+    columns = [ground.whiten(ground.nuisances.columns(fit.trace))]
     precision = [1.0 / ground.nuisances.deviations**2]
     if fit.pieces:
         columns.append(jacobian(fit))

@@ -84,14 +84,18 @@ class NoiseFamily:
             if winner == best:
                 break
             best = winner
-        scale, unit = known[best][1], self.unit(best)
+        return self.noise_at(best, known[best][1]), best
+
+    def noise_at(self, place: tuple[int, int, int], scale: float) -> NoiseModel:
+        """The noise at a place of the grid with a deviation [measurement's unit]."""
+        unit = self.unit(place)
         return replace(
             unit,
             white=unit.white * scale,
             correlated=unit.correlated * scale,
             jitter=unit.jitter * scale,
             walk=unit.walk * scale,
-        ), best
+        )
 
 
 def noise_family(prior: NoisePrior, cycle: np.ndarray, used: np.ndarray) -> NoiseFamily:

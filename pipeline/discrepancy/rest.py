@@ -35,7 +35,7 @@ def structured_rest(choice: Choice, family: NoiseFamily) -> list[Rest]:
     fit = choice.fit
     problem, ground = fit.ground.problem, fit.ground
     residual = np.where(ground.used, problem.measured - fit.predicted, 0.0)
-    known = [ground.nuisances.columns(fit.angle)]
+    known = [ground.nuisances.columns(fit.trace)]
     cost = family.weigh(choice.place, residual)[0]
     own = [ground.whiten(known[0])] + ([jacobian(fit)] if fit.pieces else [])
     taken = np.linalg.qr(np.column_stack(own))[0]

@@ -31,12 +31,12 @@ def screen(fit: Fit, terms: Sequence[Term], starts: int = 3) -> list[Lead]:
     for term in terms:
         for values in term.candidates(problem.motion, problem.around):
             places.append((term, values))
-            angle = respond(ground, (*fit.pieces, Piece(term, values)))
-            columns.append(ground.nuisances.columns(angle) @ fit.nuisance - predicted)
+            trace = respond(ground, (*fit.pieces, Piece(term, values)))
+            columns.append(ground.nuisances.columns(trace) @ fit.nuisance - predicted)
     if not columns:
         return []
     d = ground.whiten(np.column_stack(columns))
-    known = [ground.whiten(ground.nuisances.columns(fit.angle))]
+    known = [ground.whiten(ground.nuisances.columns(fit.trace))]
     if fit.pieces:
         known.append(jacobian(fit))
     basis = np.linalg.qr(np.column_stack(known))[0]

@@ -1,10 +1,13 @@
 """The balance at the joint: friction, stretch, gravity, contact and stop meet in one equation.
 
-q = theta + sum_i f_i[theta] + stretch(theta) + gravity(theta) + contact(theta) + stop(theta)
+q = theta + f + give(k theta + f)
+f = sum_i slip_i[theta] + sum_j arm_j[theta] + stretch(theta) + gravity(theta) + contact(theta) - pushed
 
-q is the angle that the wire asks for, theta the angle that the joint takes; every load is divided
-by the stiffness of the wire, so that it is the angle [angle unit] by which the wire gives way.
-The slip elements f_i are springs with dry sliders in series (Iwan, J. Appl. Mech. 33 (1966) 893).
+q is the angle that the wire asks for, theta the angle that the joint takes; every load f is divided
+by the stiffness of the wire, so that it is the angle [angle unit] by which the wire gives way. What
+a slack or toeing wire gives way besides depends on its whole force, k theta + f, k being the joint's
+own stiffness over the wire's.
+The slip elements f_i are springs with dry sliders in series (Iwan, J. Appl. Mech. 33 (1966) 893), the arms springs with dashpots in series (Maxwell).
 """
 
 from collections.abc import Sequence
@@ -14,12 +17,18 @@ from typing import TYPE_CHECKING, Protocol, cast
 import numpy as np
 from numba import njit
 
+from pipeline.physics.motion import Motion
+
 if TYPE_CHECKING:
     from pipeline.physics.mechanism import Piece
 
 NO_SLIP = np.zeros((0, 3))
+NO_ARM = np.zeros((0, 2))
+NO_GIVE = np.zeros((0, 4))
 NO_CONTACT = np.zeros((0, 4))
 SWEEPS = 40
+PRECISE = 1e-8
+FAR = 14.0
 
 
 @dataclass(frozen=True)
@@ -27,20 +36,27 @@ class Load:
     """What a term adds to the balance.
 
     slip: (m, 3) stiffness [1], force limit against rising and against falling [angle unit].
-    smooth: (6,) linear [1], cubic [1/angle^2], gravity [angle], gravity's zero [rad], toe [angle]
-        and the reach of the toe [angle].
-    contact: (c, 4) side (+1, -1), angle, stiffness [1], rounding [angle].
+    arm: (a, 2) stiffness [1] and time constant [s] of a spring with a dashpot (Maxwell).
+    smooth: (4,) linear [1], cubic [1/angle^2], gravity [angle] and gravity's zero [rad].
+    contact: (c, 4) side (+1, -1), angle, stiffness [1], and the depth [angle] over which that
+        stiffness builds up round the angle.
+    give: (g, 4) most that the wire gives way besides [angle], force at which it does so [angle], the
+        joint's own stiffness [1], and the angle at which the wire is slack [angle].
+    pushed: (n,) load from outside that moves a free joint by as much [angle]; None where none.
     """
 
     slip: np.ndarray = field(default_factory=lambda: NO_SLIP)
-    smooth: tuple[float, ...] = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    arm: np.ndarray = field(default_factory=lambda: NO_ARM)
+    smooth: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
     contact: np.ndarray = field(default_factory=lambda: NO_CONTACT)
+    give: np.ndarray = field(default_factory=lambda: NO_GIVE)
+    pushed: np.ndarray | None = None
 
 
 class BalancedTerm(Protocol):
     """A term that has a load."""
 
-    def load(self, values: np.ndarray) -> Load: ...
+    def load(self, values: np.ndarray, motion: Motion) -> Load: ...
 
 
 @njit(cache=True, fastmath=True, error_model="numpy")
@@ -49,81 +65,125 @@ def _stops(at, radian, gravity, zero, contact):  # type: ignore[no-untyped-def]
     load = gravity * (np.sin(at / radian - zero) + np.sin(zero))
     slope = gravity / radian * np.cos(at / radian - zero)
     for j in range(contact.shape[0]):
-        depth = contact[j, 0] * (at - contact[j, 1])
-        rounding = contact[j, 3]
-        if depth >= rounding:
-            load += contact[j, 0] * contact[j, 2] * depth
+        skin = contact[j, 3]
+        depth = contact[j, 0] * (at - contact[j, 1]) / skin
+        if depth > FAR:
+            load += contact[j, 0] * contact[j, 2] * depth * skin
             slope += contact[j, 2]
-        elif depth > -rounding:
-            bite = depth + rounding
-            load += contact[j, 0] * contact[j, 2] * bite * bite / (4.0 * rounding)
-            slope += contact[j, 2] * bite / (2.0 * rounding)
+        elif depth > -FAR:
+            bite = np.exp(depth)
+            load += contact[j, 0] * contact[j, 2] * skin * np.log1p(bite)
+            slope += contact[j, 2] * bite / (1.0 + bite)
     return load, slope
 
 
 @njit(cache=True, fastmath=True, error_model="numpy")
-def balance(q, state, slip, smooth, radian, contact, fresh):  # type: ignore[no-untyped-def]
-    """Joint angles for the asked angles `q`, shape (n,), and the state (q, angle, forces)."""
-    linear, cubic, gravity, zero = smooth[0], smooth[1], smooth[2], smooth[3]
-    toe, reach = smooth[4], max(smooth[5], 1e-9)
-    plain = contact.shape[0] == 0 and gravity == 0.0
-    m = slip.shape[0]
-    stiffness, above, below = slip[:, 0].copy(), slip[:, 1].copy(), -slip[:, 2]
-    force, trial = state[2:].copy(), np.empty(m)
+def balance(q, pushed, dwell, state, slip, arm, smooth, radian, contact, give, fresh):  # type: ignore[no-untyped-def]
+    """Joint angles for the asked angles `q`, shape (n,), and the state to carry.
+
+    The state is (q - pushed, angle, forces of the sliders, far ends of the arms). A sample is taken
+    after its dwell: first the joint moves at once, then the arms relax and it settles again.
+    Newton's method, held between bounds.
+    """
+    m, arms, gives = slip.shape[0], arm.shape[0], give.shape[0]
+    force, trial, far = state[2 : 2 + m].copy(), np.zeros(m), state[2 + m :].copy()
+    k, up, down = slip[:, 0].copy(), slip[:, 1].copy(), -slip[:, 2]
+    cubic, gravity, zero = smooth[1], smooth[2], smooth[3]
+    more = contact.shape[0] > 0 or gravity != 0.0
+    bent = cubic != 0.0 or more
     out = np.empty(q.size)
-    asked, theta, give = state[0], state[1], 1.0
-    for t in range(q.size):
-        sliding = 0 if fresh and t == 0 else m
-        at = q[0] if sliding < m else theta + (q[t] - asked) * give
-        asked = q[t]
-        low, high = -1e300, 1e300
-        for _ in range(SWEEPS):
-            rest = at + linear * at + cubic * at * at * at - asked
-            slope = 1.0 + linear + 3.0 * cubic * at * at
-            if toe != 0.0:
-                bent = np.tanh(at / reach)
-                rest += toe * bent
-                slope += toe / reach * (1.0 - bent * bent)
-            if not plain:
-                more, steeper = _stops(at, radian, gravity, zero, contact)
-                rest += more
-                slope += steeper
-            step = at - theta
+    asked, theta, yielding = state[0], state[1], 1.0
+    stages = 2 if arms > 0 else 1
+    first = -1 if fresh and q.size > 0 else 0
+    for t in range(first, q.size):
+        begin = t < 0
+        row = 0 if begin else t
+        sliding = 0 if begin else m
+        stiff, pull = smooth[0], pushed[row]
+        if not begin:
+            for j in range(arms):
+                stiff += arm[j, 0]
+                pull += arm[j, 0] * far[j]
+        now = q[row] + pushed[row]
+        at = now if begin else theta + (now - asked) * yielding
+        asked = now
+        for stage in range(1 if begin else stages):
+            if stage == 1:
+                for j in range(arms):
+                    pace = max(1.0 - arm[j, 0] * yielding, 1e-3)
+                    gone = -np.expm1(-pace * dwell[t] / arm[j, 1]) / pace
+                    pull += arm[j, 0] * (theta - far[j]) * gone
+                    far[j] += (theta - far[j]) * gone
+            low, high = -1e300, 1e300
+            for _ in range(SWEEPS):
+                load, steep = at * stiff - pull, stiff
+                if bent:
+                    load += cubic * at * at * at
+                    steep += 3.0 * cubic * at * at
+                    if more:
+                        other, steeper = _stops(at, radian, gravity, zero, contact)
+                        load += other
+                        steep += steeper
+                step = at - theta
+                for i in range(sliding):
+                    free = force[i] + k[i] * step
+                    held = min(max(free, down[i]), up[i])
+                    trial[i] = held
+                    load += held
+                    steep += k[i] if free == held else 0.0
+                rest, slope = at + load - q[row], 1.0 + steep
+                for j in range(gives):
+                    pulled = give[j, 2] * (at - give[j, 3]) + load
+                    root = np.sqrt(give[j, 1] * give[j, 1] + pulled * pulled)
+                    rest += give[j, 0] * pulled / root
+                    share = give[j, 0] * give[j, 1] * give[j, 1] / (root * root * root)
+                    slope += share * (give[j, 2] + steep)
+                yielding = 1.0 / max(slope, 0.05)
+                move = rest * yielding
+                if abs(move) < PRECISE:
+                    break
+                if rest > 0.0:
+                    high = min(high, at)
+                else:
+                    low = max(low, at)
+                at -= move
+                if at <= low or at >= high:
+                    at = 0.5 * (low + high)
+            theta = at
             for i in range(sliding):
-                free = force[i] + stiffness[i] * step
-                held = min(max(free, below[i]), above[i])
-                trial[i] = held
-                rest += held
-                slope += stiffness[i] if free == held else 0.0
-            give = 1.0 / max(slope, 0.05)
-            move = rest * give
-            if abs(move) < 1e-9:
-                break
-            if rest > 0.0:
-                high = min(high, at)
-            else:
-                low = max(low, at)
-            at -= move
-            if at <= low or at >= high:
-                at = 0.5 * (low + high)
-        theta = at
-        for i in range(sliding):
-            force[i] = trial[i]
-        out[t] = at
-    after = np.empty(2 + m)
+                force[i] = trial[i]
+        if begin:
+            far[:] = theta
+        else:
+            out[t] = theta
+    after = np.empty(2 + m + arms)
     after[0], after[1] = asked, theta
-    after[2:] = force
+    after[2 : 2 + m], after[2 + m :] = force, far
     return out, after
 
 
 def settle(
-    asked: np.ndarray, pieces: Sequence["Piece"], state: np.ndarray | None, radian: float
+    asked: np.ndarray,
+    pieces: Sequence["Piece"],
+    motion: Motion,
+    state: np.ndarray | None,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Joint angles, shape (n,), and the state to carry; unstressed at the first sample."""
-    loads = [cast(BalancedTerm, p.term).load(p.values) for p in pieces]
+    loads = [cast(BalancedTerm, p.term).load(p.values, motion) for p in pieces]
     slip = np.concatenate([load.slip for load in loads])
+    arm = np.concatenate([load.arm for load in loads])
     contact = np.concatenate([load.contact for load in loads])
-    smooth = np.sum([load.smooth for load in loads], axis=0)  # a reach stands in one load only
-    fresh = state is None
-    carried = np.zeros(2 + len(slip)) if state is None else state
-    return balance(np.ascontiguousarray(asked), carried, slip, smooth, radian, contact, fresh)
+    give = np.concatenate([load.give for load in loads])
+    smooth = np.sum([load.smooth for load in loads], axis=0)
+    pushed = np.zeros(len(asked))
+    for load in loads:
+        if load.pushed is not None:
+            pushed += load.pushed
+    carried = np.zeros(3 + len(slip) + len(arm)) if state is None else state
+    last = motion.time_s[0] if state is None else carried[0]
+    dwell = np.diff(motion.time_s, prepend=last)
+    angle, after = balance(
+        np.ascontiguousarray(asked), pushed, dwell, carried[1:], slip, arm, smooth, motion.radian,
+        contact, give, state is None,
+    )  # fmt: skip
+    return angle, np.concatenate([motion.time_s[-1:], after])

@@ -63,13 +63,12 @@ def terms(other_commands: Iterable[str] = ()) -> tuple[Term, ...]:
 
 def richer(term: Term) -> tuple[Term, ...]:
     """Forms of a term that hold more of the real thing; their first parameters are the same."""
-    if isinstance(term, Coupling) and not term.before_curve:
-        return (Coupling(term.other, by_wire=True),)
     others: dict[tuple[str, str], tuple[Term, ...]] = {
         ("transmission_ripple", "first"): (TransmissionRipple("second"),),
         ("friction", "symmetric"): (Friction("asymmetric"),),
         ("creep", "one"): (Creep("two"),),
         ("tension_loss", "linear"): (TensionLoss("late"), TensionLoss("settling")),
+        ("slack", "free"): (Slack("loaded"),),
         ("frame_lag", "time"): (FrameLag("frames"),),
     }
     return others.get((term.name, term.form), ())

@@ -10,9 +10,9 @@ from pipeline.physics.term import Parameter, Surroundings, Term
 class Compliance(Term):
     """Stretch of the wire under the joint's own stiffness, in the balance.
 
-    stretch * theta + toe * tanh(theta / reach): a wire that is soft while it is loose and hardens
-    with its tension (form "wire"), or stretch * theta + hardening * theta^3: a joint that hardens
-    with its angle (form "joint"). stretch [1] is the joint's stiffness over the wire's. Source: two
+    stretch * theta, and besides, in form "wire", softness * theta / sqrt(1 + (theta / reach)^2) of a
+    free joint: a wire that is soft while it is loose and hardens with its force; `stiffness` is the
+    joint's over the wire's. Form "joint": hardening * theta^3. Source: two
     springs in series; toe region of wire ropes, Feyrer, Wire Ropes (2015), section 2.3; Duffing.
     """
 
@@ -32,19 +32,21 @@ class Compliance(Term):
             hard = 0.1 / half**2
             return (Parameter("hardening", f"1/{unit}^2", 0.0, 30 * hard, hard, hard), stretch)
         return (
-            Parameter("toe", unit, 0.0, half, 0.05 * half, 0.05 * half),
+            Parameter("softness", "", 0.0, 1.5, 0.2, 0.2),
             Parameter("reach", unit, 0.01 * half, 2.0 * half, 0.2 * half, 0.2 * half),
             stretch,
+            Parameter("stiffness", "", 0.02, 2.0, 0.3, 0.05, weak=True),
         )
 
-    def load(self, values: np.ndarray) -> Load:
+    def load(self, values: np.ndarray, motion: Motion) -> Load:
         if self.form == "joint":
-            return Load(smooth=(float(values[1]), float(values[0]), 0.0, 0.0, 0.0, 0.0))
-        toe, reach, stretch = (float(v) for v in values)
-        return Load(smooth=(stretch, 0.0, 0.0, 0.0, toe, reach))
+            return Load(smooth=(float(values[1]), float(values[0]), 0.0, 0.0))
+        softness, reach, stretch, stiffness = values
+        give = [softness * reach, stiffness * reach, stiffness, 0.0]
+        return Load(smooth=(float(stretch), 0.0, 0.0, 0.0), give=np.array([give]))
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
         half = 0.5 * around.angle_span
         if self.form == "joint":
             return np.array([[h / half**2, s] for h in (0.03, 0.3) for s in (0.0, 0.2)])
-        return np.array([[0.02 * half, r * half, 0.0] for r in (0.05, 0.12, 0.25, 0.5)])
+        return np.array([[0.1, r * half, 0.0, 0.3] for r in (0.05, 0.12, 0.25, 0.5)])

@@ -6,13 +6,13 @@ from pipeline.physics.balance import Load
 from pipeline.physics.motion import Motion
 from pipeline.physics.term import Parameter, Surroundings, Term
 
-STIFFEST = 4.0
+STIFFEST = 6.0
 
 
 class Contact(Term):
-    """stiffness * ramp(side * (theta - angle)) in the balance, rounded over +-rounding.
+    """stiffness * skin * log(1 + exp(side * (theta - angle) / skin)) in the balance.
 
-    Forms "upper" and "lower" are its sides. Source: unilateral spring.
+    A spring that is met at an angle, and whose stiffness builds up over `skin` round it. Forms "upper" and "lower" are its sides. Source: unilateral spring.
     """
 
     name = "contact"
@@ -35,17 +35,17 @@ class Contact(Term):
         return (
             Parameter("stiffness", "", 0.0, STIFFEST, 0.5, 0.5),
             Parameter("angle", unit, ends[0], ends[1], start, 0.0),
-            Parameter("rounding", unit, 1e-3 * span, 0.15 * span, 0.01 * span, 0.02 * span),
+            Parameter("skin", unit, 1e-3 * span, 0.06 * span, 0.005 * span, 0.005 * span),
         )
 
-    def load(self, values: np.ndarray) -> Load:
+    def load(self, values: np.ndarray, motion: Motion) -> Load:
         return Load(contact=np.array([[self.side, values[1], values[0], values[2]]]))
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
         middle, span = around.angle_low + 0.5 * around.angle_span, around.angle_span
         return np.array(
             [
-                [stiffness, middle + self.side * share * span, 0.01 * span]
+                [stiffness, middle + self.side * share * span, 0.005 * span]
                 for stiffness in (0.1, 1.0)
                 for share in (-0.1, 0.0, 0.08, 0.16, 0.24, 0.32, 0.38, 0.43)
             ]

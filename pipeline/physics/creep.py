@@ -3,6 +3,7 @@
 import numpy as np
 from numba import njit
 
+from pipeline.physics.balance import Load
 from pipeline.physics.motion import Motion
 from pipeline.physics.term import Parameter, Surroundings, Term
 
@@ -24,15 +25,16 @@ def dwells(motion: Motion, last_time: float) -> np.ndarray:
 
 
 class Creep(Term):
-    """x = u - sum_j share_j (u - v_j), v_j' = (u - v_j) / tau_j; one or two time constants.
+    """A spring with a dashpot beside the joint: it resists at first and gives way with time.
 
-    Source: standard linear solid (Zener), a Maxwell arm for each time constant; exact for a command
-    that is held through each dwell.
+    In the balance, arm_j = s_j (theta - v_j), v_j' = (theta - v_j) / tau_j, with one or two arms. Of
+    each motion of a free joint the `share` s / (1 + s) arrives late, with `time_constant`
+    (1 + s) tau. Source: standard linear solid (Zener); the command is held through each dwell.
     """
 
     name = "creep"
     site = "transmission"
-    before_curve = True
+    in_balance = True
     says = "Part of each motion ({share}) arrives late, with a time constant of {time_constant}."
 
     def __init__(self, form: str = "one") -> None:
@@ -42,33 +44,21 @@ class Creep(Term):
         dwell = max(around.dwell_s, 1e-9)
         longest = max(around.end_s - around.start_s, 10.0 * dwell)
         own = (
-            Parameter("share", "", 0.0, 0.9, 0.1, 0.1),
+            Parameter("share", "", 0.0, 0.8, 0.1, 0.1),
             Parameter("time_constant", "s", 0.2 * dwell, longest, 5.0 * dwell, 0.0),
         )
         if self.form != "two":
             return own
         return (
             *own,
-            Parameter("share_2", "", 0.0, 0.9, 0.02, 0.1),
+            Parameter("share_2", "", 0.0, 0.8, 0.02, 0.1),
             Parameter("time_constant_2", "s", 0.2 * dwell, 3 * longest, 80.0 * dwell, 0.0),
         )
 
-    def respond(
-        self, signal: np.ndarray, motion: Motion, values: np.ndarray, state: np.ndarray | None
-    ) -> tuple[np.ndarray, np.ndarray]:
-        arms = len(values) // 2
-        if state is None:
-            state = np.array([motion.time_s[0], *(arms * [signal[0]])])
-        dwell = dwells(motion, float(state[0]))
-        out = signal.copy()
-        after = np.empty(1 + arms)
-        after[0] = motion.time_s[-1]
-        for j in range(arms):
-            share, tau = values[2 * j], values[2 * j + 1]
-            late = lagged(signal, np.exp(-dwell / tau), float(state[1 + j]))
-            out += share * (late - signal)
-            after[1 + j] = late[-1]
-        return out, after
+    def load(self, values: np.ndarray, motion: Motion) -> Load:
+        share, time_constant = values[0::2], values[1::2]
+        stiffness = share / (1.0 - share)
+        return Load(arm=np.column_stack([stiffness, time_constant * (1.0 - share)]))
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
         dwell = max(around.dwell_s, 1e-9)

@@ -10,7 +10,7 @@ HARD = 60.0
 
 
 class EndStop(Term):
-    """As a contact, but nearly rigid: the wire gives way instead, softly over +-softness.
+    """As a contact, but nearly rigid: the wire gives way instead, over `softness` round it.
 
     Forms "upper" and "lower" are its sides. Source: unilateral constraint, penalty form.
     """
@@ -33,10 +33,10 @@ class EndStop(Term):
         ends = sorted((middle, middle + 0.6 * self.side * span))
         return (
             Parameter("angle", unit, ends[0], ends[1], middle + 0.4 * self.side * span, 0.0),
-            Parameter("softness", unit, 1e-3 * span, 0.1 * span, 0.005 * span, 0.02 * span),
+            Parameter("softness", unit, 1e-3 * span, 0.03 * span, 0.003 * span, 0.005 * span),
         )
 
-    def load(self, values: np.ndarray) -> Load:
+    def load(self, values: np.ndarray, motion: Motion) -> Load:
         return Load(contact=np.array([[self.side, values[0], HARD, values[1]]]))
 
     def scaled(self, values: np.ndarray, factor: float) -> np.ndarray:
@@ -45,4 +45,4 @@ class EndStop(Term):
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
         middle, span = around.angle_low + 0.5 * around.angle_span, around.angle_span
         shares = (0.15, 0.25, 0.32, 0.38, 0.42, 0.45, 0.47, 0.485)
-        return np.array([[middle + self.side * s * span, 0.005 * span] for s in shares])
+        return np.array([[middle + self.side * s * span, 0.003 * span] for s in shares])

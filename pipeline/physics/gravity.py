@@ -27,8 +27,8 @@ class Gravity(Term):
             Parameter("zero", "rad", -2.0 * np.pi, 2.0 * np.pi, 0.0, 0.0),
         )
 
-    def load(self, values: np.ndarray) -> Load:
-        return Load(smooth=(0.0, 0.0, float(values[0]), float(values[1]), 0.0, 0.0))
+    def load(self, values: np.ndarray, motion: Motion) -> Load:
+        return Load(smooth=(0.0, 0.0, float(values[0]), float(values[1])))
 
     def scaled(self, values: np.ndarray, factor: float) -> np.ndarray:
         out = super().scaled(values, abs(factor))

@@ -81,8 +81,8 @@ def sampled_curve(drive: np.ndarray, angle: np.ndarray, knots: int = 401) -> Sam
 class SmoothError:
     """A smooth error of a curve: Legendre polynomials of orders 2 to 4 over its range.
 
-    middle, half_range: of the angle. weights: (3,) size of each at an end of the range; beyond the
-    range the error stays as it is at its end.
+    middle, half_range: of the angle. weights: (3,) size of each at an end of the range; a fifth
+    of the range beyond its ends it stays as it is there.
     """
 
     middle: float
@@ -94,8 +94,8 @@ class SmoothError:
 
 
 def legendre(x: np.ndarray) -> np.ndarray:
-    """Legendre polynomials of orders 2 to 4, shape (n, 3), of x (n,) held within -1 and 1."""
-    x = np.clip(x, -1.0, 1.0)
+    """Legendre polynomials of orders 2 to 4, shape (n, 3), of x (n,) held within -1.2 and 1.2."""
+    x = np.clip(x, -1.2, 1.2)
     square = x * x
     return np.column_stack(
         [

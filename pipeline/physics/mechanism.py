@@ -11,10 +11,8 @@ from pipeline.physics.motion import Motion
 from pipeline.physics.term import Term
 
 ORDER = (
-    "coupling",
     "lost_steps",
     "transmission_ripple",
-    "creep",
     "backlash",
     "tension_loss",
     "slack",
@@ -39,11 +37,20 @@ State = Mapping[str, np.ndarray]
 
 
 @dataclass(frozen=True)
+class Trace:
+    """body: (n,) the joint's angle in balance. seen: (n,) what the sensor makes of it."""
+
+    body: np.ndarray
+    seen: np.ndarray
+    state: State
+
+
+@dataclass(frozen=True)
 class Mechanism:
     """drive -> drive terms -> nominal curve -> balance at the joint -> joint and sensor terms.
 
     Terms that are in balance (friction, compliance, gravity, contact, stop) meet in one implicit
-    equation, see `balance.py`. The answer is gain * angle + offset + error(angle).
+    equation, see `balance.py`. The answer is gain * seen + offset + error(seen).
     """
 
     curve: Curve = field(default_factory=IdentityCurve)
@@ -57,6 +64,12 @@ class Mechanism:
 
         Given the state of the block before, a block answers as if all had come at once.
         """
+        trace = self.trace(motion, state)
+        answer = self.gain * trace.seen + self.offset
+        return answer if self.error is None else answer + self.error(trace.seen), trace.state
+
+    def trace(self, motion: Motion, state: State | None = None) -> Trace:
+        """The angle that the joint takes and the one that the sensor sees, before calibration."""
         before = {} if state is None else state
         after: dict[str, np.ndarray] = {}
         pieces = sorted(self.pieces, key=_place)
@@ -67,14 +80,12 @@ class Mechanism:
         signal = self.curve(signal)
         balanced = [p for p in pieces if p.term.in_balance]
         if balanced:
-            signal, after["balance"] = settle(
-                signal, balanced, before.get("balance"), motion.radian
-            )
+            signal, after["balance"] = settle(signal, balanced, motion, before.get("balance"))
+        body = signal
         for piece in pieces:
             if not (piece.term.before_curve or piece.term.in_balance):
                 signal = _apply(piece, signal, motion, before, after)
-        answer = self.gain * signal + self.offset
-        return answer if self.error is None else answer + self.error(signal), after
+        return Trace(body, signal, after)
 
 
 def _place(piece: Piece) -> int:

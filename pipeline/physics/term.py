@@ -21,7 +21,8 @@ class TermError(LoopgapError):
 class Parameter:
     """A number with a meaning; `start` is where a search begins, `typical` a size that is usual.
 
-    stepwise: it acts between two samples only, so that the answer has no slope by it.
+    stepwise: it acts between two samples only, so that the answer has no slope by it. weak: data
+    say little of it, so that it is held near its start and no choice charges for it.
     """
 
     name: str
@@ -31,6 +32,7 @@ class Parameter:
     start: float
     typical: float
     stepwise: bool = False
+    weak: bool = False
 
 
 @dataclass(frozen=True)
@@ -70,7 +72,7 @@ class Term:
     name: ClassVar[str]
     site: ClassVar[str]
     before_curve: bool = False
-    in_balance: ClassVar[bool] = False
+    in_balance: bool = False
     group: ClassVar[str] = ""
     says: ClassVar[str]
     form: str = ""
