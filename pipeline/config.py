@@ -17,7 +17,7 @@ STAGES = (
     "diagnosis",
     "review",
 )
-EXTRA_STAGES = ("prediction", "concealed")
+EXTRA_STAGES = ("prediction", "close_the_gap", "concealed")
 
 
 @dataclass
@@ -248,6 +248,14 @@ class DiagnosisConfig:
 
 
 @dataclass
+class CloseTheGapConfig:
+    """Record, diagnose, propose, record again: of which axis, and how often at most."""
+
+    axis: str = "pitch"
+    rounds: int = 3
+
+
+@dataclass
 class ConcealedConfig:
     """The concealed benchmark: its seed, and how many cases of each kind (half of them plain)."""
 
@@ -279,6 +287,7 @@ class Config:
     evaluation: EvaluationConfig = field(default_factory=EvaluationConfig)
     simulation: SimulationConfig = field(default_factory=SimulationConfig)
     diagnosis: DiagnosisConfig = field(default_factory=DiagnosisConfig)
+    close_the_gap: CloseTheGapConfig = field(default_factory=CloseTheGapConfig)
     concealed: ConcealedConfig = field(default_factory=ConcealedConfig)
 
 

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from pipeline.config import Config
 from pipeline.runners.acquisition import run_acquisition, run_vision
+from pipeline.runners.close_the_gap import run_close_the_gap
 from pipeline.runners.concealed import run_concealed
 from pipeline.runners.diagnosis import run_diagnosis, run_prediction
 from pipeline.runners.evaluation import run_evaluation
@@ -23,6 +24,7 @@ RUNNERS: dict[str, Callable[[Run], None]] = {
     "diagnosis": run_diagnosis,
     "prediction": run_prediction,
     "review": run_review,
+    "close_the_gap": run_close_the_gap,
     "concealed": run_concealed,
 }
 

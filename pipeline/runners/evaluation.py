@@ -47,16 +47,16 @@ def _trials(run: Run) -> dict[str, dict[str, pd.DataFrame]]:
         table = pd.read_csv(file)
         landings[axis] = {}
         for method, solutions in table.groupby("method", sort=False):
-            commands = _trial_commands(run.config, axis, solutions)
+            commands = trial_commands(run.config, axis, solutions)
             name = f"{axis}_{method}"
             with open_laboratory(run.config, [axis], run.config.seed + TRIAL_SEED + number) as lab:
                 record(run, lab, commands, [axis], parent / name)
             seen = see(run, parent / name, parent / "vision" / name)
-            landings[axis][str(method)] = _landing(parent, name, axis, solutions, seen)
+            landings[axis][str(method)] = landing(parent, name, axis, solutions, seen)
     return landings
 
 
-def _trial_commands(config: Config, axis: str, solutions: pd.DataFrame) -> pd.DataFrame:
+def trial_commands(config: Config, axis: str, solutions: pd.DataFrame) -> pd.DataFrame:
     """The commands that have been found, after one run around the full loop (cycle 0) and home."""
     amplitude_deg = config.acquisition.amplitude_deg[axis]
     lead_in = [amplitude_deg, -amplitude_deg, 0.0]
@@ -69,7 +69,7 @@ def _trial_commands(config: Config, axis: str, solutions: pd.DataFrame) -> pd.Da
     return table
 
 
-def _landing(
+def landing(
     parent: Path, name: str, axis: str, solutions: pd.DataFrame, seen: Recording
 ) -> pd.DataFrame:
     """The landings of cycle 1, with the true pose where a twin knows it."""
