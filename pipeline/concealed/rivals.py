@@ -92,7 +92,7 @@ def _forms(motion: Motion, top_deg: float) -> dict[str, list[Form]]:
             *(Form(stiff, {f"stop_{s}_deg": (0.5 * top_deg, top_deg)}) for s in ("high", "low")),
             Form(stiff, {f"stop_{s}_deg": (0.5 * top_deg, top_deg) for s in ("high", "low")}),
         ],
-        "slack": [Form({}, {"pretension_deg": (-10.0, 0.0), "straightening_deg": (0.05, 1.0)})],
+        "slack": [Form({}, {"pretension_deg": (-10.0, 0.0), "straightening_deg": (0.05, 0.3)})],
         "compliance": [
             Form(
                 {"pretension_deg": 0.0},
