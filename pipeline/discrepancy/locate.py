@@ -1,5 +1,6 @@
 """Where a residual lies: the share that each coordinate explains, how surely, and in words."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,7 +22,7 @@ LEAST_P = 1e-12
 ORDER_DRAWS = 2000
 MOST_CYCLES = 24
 BETWEEN_CYCLES = ("time", "cycle")
-CATCHES_ALL = {"travel": 0.8, "time": 0.5, "cycle": 0.5}
+TRAVEL_ALONE, TRAVEL_AFTER_DIRECTION = 0.3, 0.6
 
 
 @dataclass(frozen=True)
@@ -205,7 +206,8 @@ def parts_of(work: Work) -> list[Part]:
         sure = [part for part in tried if part.p_value * most <= SIGNIFICANT]
         if not sure:
             return parts + tried
-        largest = max(sure, key=_preference)
+        directed = any(part.coordinate == "direction" for part in parts)
+        largest = max(sure, key=_preference(directed))
         parts.append(largest)
         work.take(largest.coordinate)
         work.waiting = {c: b for c, b in work.waiting.items() if work.varied(c)}
@@ -261,8 +263,14 @@ def _time_test(
     return noise, f_test(without(white[:, 0], basis), added, noise.sigma, freedom)
 
 
-def _preference(part: Part) -> float:
-    return part.squares * CATCHES_ALL.get(part.coordinate, 1.0)
+def _preference(directed: bool) -> Callable[[Part], float]:
+    """How readily a part is taken out: those that catch much for want of others come after.
+
+    directed: whether direction was taken out already.
+    """
+    weight = {"time": 0.5, "cycle": 0.5}
+    weight["travel"] = TRAVEL_AFTER_DIRECTION if directed else TRAVEL_ALONE
+    return lambda part: part.squares * weight.get(part.coordinate, 1.0)
 
 
 def combined(p_values: list[float]) -> float:

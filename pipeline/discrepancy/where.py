@@ -111,6 +111,12 @@ def _loop_words(loop: np.ndarray, fades: bool, scene: Scene) -> str:
     ground = scene.ground
     opposite = ground.direction * loop
     width, share = fading_width(ground.travel, opposite, ground.step)
+    begin, side, stepped = _step_along(ground.drive, opposite)
+    if fades and stepped > max(ONE_LEVEL, 2.0 * share):
+        return (
+            f"beyond {begin:.3g} {scene.drive_unit} of command on the {side} side, "
+            "differently on the way up and down"
+        )
     if fades and share > FADES:
         return _fading_words("each reversal", width, scene)
     level = float(np.mean(opposite))
@@ -123,6 +129,24 @@ def _loop_words(loop: np.ndarray, fades: bool, scene: Scene) -> str:
         if fades and share > 4 * FADES:
             return _fading_words(f"reversals at the {end} end", width, scene)
     return "differently on the way up and on the way down"
+
+
+def _step_along(drive: np.ndarray, opposite: np.ndarray) -> tuple[float, str, float]:
+    """Where along the drive a residual's part opposite in direction jumps; the share of that."""
+    centre, mean, count = binned(drive, opposite, PICTURE_BINS)
+    if len(centre) < 8:
+        return 0.0, "", 0.0
+    weight, constant = np.sqrt(count), np.ones((len(centre), 1))
+    shares = [
+        least_squares_share((centre >= at)[:, None].astype(float), mean, constant, weight)
+        for at in centre[3:-2]
+    ]
+    best = int(np.argmax(shares))
+    begin = float(0.5 * (centre[2 + best] + centre[3 + best]))
+    above = float(np.abs(mean[centre >= begin]).mean()) > float(np.abs(mean[centre < begin]).mean())
+    spread = float(count @ (mean - count @ mean / count.sum()) ** 2)
+    power = float(np.sum(opposite**2)) or 1.0
+    return begin, "positive" if above else "negative", shares[best] * spread / power
 
 
 def _fading_words(turns: str, width: float, scene: Scene) -> str:
