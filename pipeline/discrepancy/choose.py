@@ -8,7 +8,7 @@ import numpy as np
 from pipeline.discrepancy.fit import Fit, Ground, evaluate, improve, parameters_of
 from pipeline.discrepancy.moments import settle_moments
 from pipeline.discrepancy.noise_family import NoiseFamily
-from pipeline.discrepancy.screen import Lead, screen, started
+from pipeline.discrepancy.screen import Effects, Lead, screen, started
 from pipeline.physics.catalogue import richer
 from pipeline.physics.mechanism import Piece
 from pipeline.physics.term import Term
@@ -37,6 +37,7 @@ class Search:
     """What a search needs: the terms that the recording can show and the noises to choose from."""
 
     terms: tuple[Term, ...]
+    effects: Effects
     family: NoiseFamily
 
     def weighed(self, fit: Fit, place: tuple[int, int, int], iterations: int = 4) -> Choice:
@@ -111,7 +112,7 @@ def choose(search: Search, ground: Ground) -> list[Choice]:
 
 def extended(search: Search, parent: Choice, branches: int = BRANCHES) -> list[Choice]:
     """The parent with each of the most promising further terms."""
-    leads = by_term(screen(parent.fit, allowed(search.terms, parent.fit)))
+    leads = by_term(screen(parent.fit, search.effects, allowed(search.terms, parent.fit)))
     trials = []
     for few in leads[:branches]:
         trials.append(improve(started(parent.fit, few), 3))

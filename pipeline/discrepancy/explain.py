@@ -10,6 +10,7 @@ from pipeline.discrepancy.noise_family import noise_family
 from pipeline.discrepancy.noise_learning import NoisePrior, learn_noise
 from pipeline.discrepancy.outliers import isolated
 from pipeline.discrepancy.problem import Problem
+from pipeline.discrepancy.screen import effects_of
 from pipeline.physics.catalogue import FORCE_TERMS, terms
 from pipeline.physics.term import Term
 from pipeline.recording import reversals_of
@@ -38,11 +39,12 @@ def explain(problem: Problem) -> Explanation:
     """
     prior = learn_noise(problem)
     candidates = excited_terms(problem)
+    effects = effects_of(problem, candidates)
     settled = settled_rows(problem)
     outliers = isolated(problem.measured - problem.simulated, problem.train)
     for _ in range(ROUNDS):
         used = problem.train & settled & ~outliers
-        search = Search(candidates, noise_family(prior, problem.cycle, used))
+        search = Search(candidates, effects, noise_family(prior, problem.cycle, used))
         choices = choose(search, ground_of(problem, prior.model, used))
         found = isolated(problem.measured - choices[0].fit.predicted, problem.train)
         same = np.array_equal(found & problem.train, outliers & problem.train)

@@ -94,6 +94,14 @@ class Fit:
         return sum(len(p.values) for p in self.pieces)
 
     @cached_property
+    def basis(self) -> np.ndarray:
+        """Orthonormal columns of all that the fit can follow already, (count, m)."""
+        own = [self.ground.whiten(self.ground.nuisances.columns(self.trace))]
+        if self.pieces:
+            own.append(jacobian(self))
+        return np.linalg.qr(np.column_stack(own))[0]
+
+    @cached_property
     def key(self) -> frozenset[tuple[str, str]]:
         return frozenset((p.term.name, p.term.form) for p in self.pieces)
 

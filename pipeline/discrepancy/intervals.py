@@ -3,13 +3,14 @@
 import numpy as np
 
 from pipeline.discrepancy.fit import PRIOR_WIDTH, Fit, jacobian, parameters_of
-from pipeline.discrepancy.moments import moved
+from pipeline.discrepancy.moments import moments, moved
 from pipeline.discrepancy.result import Estimate
 from pipeline.physics.mechanism import Piece
 
 DEVIATIONS = 1.96
 FALL = 3.84
 WIDEST = 1e12
+FARTHEST = 60
 
 
 def covariance_of(fit: Fit) -> np.ndarray:
@@ -52,18 +53,17 @@ def estimates(fit: Fit, covariance: np.ndarray) -> list[tuple[Piece, tuple[Estim
 
 
 def moment_interval(fit: Fit, place: int) -> tuple[float, float]:
-    """The samples between which the slip lies, as far as the cost does not tell them apart."""
-    time_s = fit.ground.problem.motion.time_s
-    row = int(np.searchsorted(time_s, fit.pieces[place].values[1]))
-
-    def as_good(r: int) -> bool:
-        return moved(fit, place, 0.5 * (time_s[r] + time_s[r - 1])).cost < fit.cost + FALL
-
-    first = last = row
-    while first > 1 and row - first < 60 and as_good(first - 1):
+    """The fitted samples between which the slip lies, as far as the cost tells them apart [s]."""
+    time_s = fit.ground.problem.motion.time_s[fit.ground.used]
+    times = moments(fit)
+    near = int(np.argmin(np.abs(times - fit.pieces[place].values[1])))
+    first = last = near
+    while first > 0 and near - first < FARTHEST and _as_good(fit, place, times[first - 1]):
         first -= 1
-    while last < len(time_s) - 1 and last - row < 60 and as_good(last + 1):
+    while last < len(times) - 1 and last - near < FARTHEST and _as_good(fit, place, times[last + 1]):
         last += 1
-    return float(time_s[max(first - 1, 0)]), float(time_s[min(last, len(time_s) - 1)])
+    return float(time_s[first]), float(time_s[last + 1])
 
 
+def _as_good(fit: Fit, place: int, moment_s: float) -> bool:
+    return moved(fit, place, moment_s).cost < fit.cost + FALL

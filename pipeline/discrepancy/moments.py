@@ -5,27 +5,35 @@ import numpy as np
 from pipeline.discrepancy.fit import Fit, evaluate, improve
 from pipeline.physics.mechanism import Piece
 
-REACH = 16
+STRIDES = (4, 1)
+TRIED = 6
 
 
 def settle_moments(fit: Fit) -> Fit:
-    """The fit with the moment of a slip moved to the sample where it fits best."""
+    """The fit with the moment of a slip moved to the fitted sample before which it fits best."""
     for i, piece in enumerate(fit.pieces):
         if piece.term.name != "lost_steps":
             continue
-        time_s = fit.ground.problem.motion.time_s
-        for reach in (REACH, 2):
-            row = int(np.searchsorted(time_s, fit.pieces[i].values[1]))
-            stride = max(reach // 8, 1)
-            rows = range(max(row - reach, 1), min(row + reach + 1, len(time_s)), stride)
-            trials = [moved(fit, i, 0.5 * (time_s[r] + time_s[r - 1])) for r in rows]
-            best = min(trials, key=lambda t: t.cost)
+        times = moments(fit)
+        for stride in STRIDES:
+            near = int(np.argmin(np.abs(times - fit.pieces[i].values[1])))
+            places = range(
+                max(near - stride * TRIED, 0), min(near + stride * TRIED + 1, len(times)), stride
+            )
+            best = min((moved(fit, i, times[k]) for k in places), key=lambda t: t.cost)
             if best.cost < fit.cost:
                 fit = improve(best, 3)
     return fit
 
 
+def moments(fit: Fit) -> np.ndarray:
+    """Times halfway between neighbouring fitted samples: others tell no moments apart [s]."""
+    time_s = fit.ground.problem.motion.time_s[fit.ground.used]
+    return 0.5 * (time_s[1:] + time_s[:-1])
+
+
 def moved(fit: Fit, place: int, moment_s: float) -> Fit:
+    """The fit with the moment of one of its terms elsewhere."""
     values = fit.pieces[place].values.copy()
     values[1] = moment_s
     pieces = (

@@ -7,7 +7,6 @@ import numpy as np
 from scipy.stats import chi2
 
 from pipeline.discrepancy.choose import Choice
-from pipeline.discrepancy.fit import jacobian
 from pipeline.discrepancy.noise_family import NoiseFamily
 from pipeline.discrepancy.problem import Problem
 from pipeline.recording import branch_of, reversals_of
@@ -35,13 +34,10 @@ def structured_rest(choice: Choice, family: NoiseFamily) -> list[Rest]:
     fit = choice.fit
     problem, ground = fit.ground.problem, fit.ground
     residual = np.where(ground.used, problem.measured - fit.predicted, 0.0)
-    known = [ground.nuisances.columns(fit.trace)]
     cost = family.weigh(choice.place, residual)[0]
-    own = [ground.whiten(known[0])] + ([jacobian(fit)] if fit.pieces else [])
-    taken = np.linalg.qr(np.column_stack(own))[0]
     out = []
     for where, columns in curves(problem).items():
-        rest, freedom = _without(residual, columns, choice, taken)
+        rest, freedom = _without(residual, columns, choice, fit.basis)
         place = choice.place
         noise, place = family.pick(rest, place)
         better = family.weigh(place, np.where(ground.used, rest, 0.0))[0]

@@ -5,11 +5,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pipeline.discrepancy.fit import Fit, evaluate, jacobian, parameters_of, respond
-from pipeline.physics.mechanism import Piece
+from pipeline.discrepancy.fit import Fit, evaluate, parameters_of, respond
+from pipeline.discrepancy.problem import Problem
+from pipeline.physics.mechanism import Mechanism, Piece
 from pipeline.physics.term import Term
 
 SCALES = (0.1, 8.0)
+PROMISING = 4
 
 
 @dataclass(frozen=True)
@@ -21,41 +23,76 @@ class Lead:
     gain: float
 
 
-def screen(fit: Fit, terms: Sequence[Term], starts: int = 3) -> list[Lead]:
+@dataclass(frozen=True)
+class Effects:
+    """What every candidate of every term does to the nominal mechanism.
+
+    places: term and values of each candidate. columns: (n, k) change of the seen angle.
+    """
+
+    places: Sequence[tuple[Term, np.ndarray]]
+    columns: np.ndarray
+
+    def promising(self, fit: Fit, terms: Sequence[Term], most: int) -> list[tuple[Term, np.ndarray]]:
+        """The candidates of each term whose nominal effect suits a fit's residual best."""
+        allowed = {(t.name, t.form) for t in terms}
+        wanted = [k for k, (t, _) in enumerate(self.places) if (t.name, t.form) in allowed]
+        gains = _gains(fit, [self.places[k] for k in wanted], fit.nuisance[0] * self.columns[:, wanted])
+        own: dict[tuple[str, str], list[tuple[float, int]]] = {}
+        for k, (gain, _) in zip(wanted, gains, strict=True):
+            term = self.places[k][0]
+            own.setdefault((term.name, term.form), []).append((-gain, k))
+        return [self.places[k] for few in own.values() for _, k in sorted(few)[:most]]
+
+
+def effects_of(problem: Problem, terms: Sequence[Term]) -> Effects:
+    """The nominal effects of all candidates of some terms."""
+    nominal = Mechanism(problem.curve).trace(problem.motion).seen
+    places = [(t, v) for t in terms for v in t.candidates(problem.motion, problem.around)]
+    columns = np.empty((len(nominal), len(places)))
+    for k, (term, values) in enumerate(places):
+        seen = Mechanism(problem.curve, (Piece(term, values),)).trace(problem.motion).seen
+        columns[:, k] = seen - nominal
+    return Effects(places, columns)
+
+
+def screen(fit: Fit, effects: Effects, terms: Sequence[Term], starts: int = 3) -> list[Lead]:
     """The `starts` best candidates of each term beside a fit, best first."""
-    ground = fit.ground
-    predicted = fit.predicted
-    problem = ground.problem
-    places: list[tuple[Term, np.ndarray]] = []
-    columns = []
-    for term in terms:
-        for values in term.candidates(problem.motion, problem.around):
-            places.append((term, values))
-            trace = respond(ground, (*fit.pieces, Piece(term, values)))
-            columns.append(ground.nuisances.columns(trace) @ fit.nuisance - predicted)
-    if not columns:
+    ground, predicted = fit.ground, fit.predicted
+    places = effects.promising(fit, terms, PROMISING)
+    if not places:
         return []
-    d = ground.whiten(np.column_stack(columns))
-    known = [ground.whiten(ground.nuisances.columns(fit.trace))]
-    if fit.pieces:
-        known.append(jacobian(fit))
-    basis = np.linalg.qr(np.column_stack(known))[0]
+    columns = np.empty((len(predicted), len(places)))
+    for k, (term, values) in enumerate(places):
+        trace = respond(ground, (*fit.pieces, Piece(term, values)))
+        columns[:, k] = ground.nuisances.columns(trace) @ fit.nuisance - predicted
+    best: dict[tuple[str, str], list[Lead]] = {}
+    for (term, values), (gain, factor) in zip(places, _gains(fit, places, columns), strict=True):
+        if gain > 0.0:
+            scaled = clipped(fit, term, term.scaled(values, factor))
+            best.setdefault((term.name, term.form), []).append(Lead(term, scaled, gain))
+    leads = [lead for few in best.values() for lead in sorted(few, key=lambda x: -x.gain)[:starts]]
+    return sorted(leads, key=lambda lead: -lead.gain)
+
+
+def _gains(
+    fit: Fit, places: Sequence[tuple[Term, np.ndarray]], columns: np.ndarray
+) -> list[tuple[float, float]]:
+    """Fall of the cost by one step along each column (n, k), and the factor of that step."""
+    ground = fit.ground
+    d = ground.whiten(columns)
+    basis = fit.basis
     d = d - basis @ (basis.T @ d)
     size = np.einsum("ij,ij->j", d, d)
     along = d.T @ fit.innovations
-    best: dict[tuple[str, str], list[Lead]] = {}
+    out = []
     for k, (term, values) in enumerate(places):
         if size[k] <= 1e-9:
+            out.append((0.0, 1.0))
             continue
         factor = scale_of(term, values, along[k] / size[k])
-        scaled = clipped(fit, term, term.scaled(values, factor))
-        gain = 2.0 * factor * along[k] - factor**2 * size[k]
-        if gain > 0.0:
-            best.setdefault((term.name, term.form), []).append(Lead(term, scaled, float(gain)))
-    leads = [
-        lead for few in best.values() for lead in sorted(few, key=lambda x: -x.gain)[:starts]
-    ]
-    return sorted(leads, key=lambda lead: -lead.gain)
+        out.append((float(2.0 * factor * along[k] - factor**2 * size[k]), factor))
+    return out
 
 
 def scale_of(term: Term, values: np.ndarray, coefficient: float) -> float:

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 NO_SLIP = np.zeros((0, 3))
 NO_ARM = np.zeros((0, 2))
 NO_GIVE = np.zeros((0, 4))
-NO_CONTACT = np.zeros((0, 4))
+NO_CONTACT = np.zeros((0, 5))
 SWEEPS = 40
 PRECISE = 1e-8
 FAR = 14.0
@@ -38,10 +38,11 @@ class Load:
     slip: (m, 3) stiffness [1], force limit against rising and against falling [angle unit].
     arm: (a, 2) stiffness [1] and time constant [s] of a spring with a dashpot (Maxwell).
     smooth: (4,) linear [1], cubic [1/angle^2], gravity [angle] and gravity's zero [rad].
-    contact: (c, 4) side (+1, -1), angle, stiffness [1], and the depth [angle] over which that
-        stiffness builds up round the angle.
+    contact: (c, 5) side (+1, -1), angle, stiffness [1], the depth [angle] over which that stiffness
+        builds up round the angle, and its growth with depth [1/angle].
     give: (g, 4) most that the wire gives way besides [angle], force at which it does so [angle], the
         joint's own stiffness [1], and the angle at which the wire is slack [angle].
+    by_drive: the angles in `give` are in the drive's unit.
     pushed: (n,) load from outside that moves a free joint by as much [angle]; None where none.
     """
 
@@ -50,6 +51,7 @@ class Load:
     smooth: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
     contact: np.ndarray = field(default_factory=lambda: NO_CONTACT)
     give: np.ndarray = field(default_factory=lambda: NO_GIVE)
+    by_drive: bool = False
     pushed: np.ndarray | None = None
 
 
@@ -68,12 +70,14 @@ def _stops(at, radian, gravity, zero, contact):  # type: ignore[no-untyped-def]
         skin = contact[j, 3]
         depth = contact[j, 0] * (at - contact[j, 1]) / skin
         if depth > FAR:
-            load += contact[j, 0] * contact[j, 2] * depth * skin
-            slope += contact[j, 2]
+            ramp, steep = depth * skin, 1.0
         elif depth > -FAR:
             bite = np.exp(depth)
-            load += contact[j, 0] * contact[j, 2] * skin * np.log1p(bite)
-            slope += contact[j, 2] * bite / (1.0 + bite)
+            ramp, steep = skin * np.log1p(bite), bite / (1.0 + bite)
+        else:
+            continue
+        load += contact[j, 0] * contact[j, 2] * ramp * (1.0 + contact[j, 4] * ramp)
+        slope += contact[j, 2] * steep * (1.0 + 2.0 * contact[j, 4] * ramp)
     return load, slope
 
 
@@ -166,14 +170,19 @@ def settle(
     asked: np.ndarray,
     pieces: Sequence["Piece"],
     motion: Motion,
+    slope: float,
     state: np.ndarray | None,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Joint angles, shape (n,), and the state to carry; unstressed at the first sample."""
+    """Joint angles, shape (n,), and the state to carry; unstressed at the first sample.
+
+    slope: mean slope of the nominal curve [angle unit/drive unit].
+    """
     loads = [cast(BalancedTerm, p.term).load(p.values, motion) for p in pieces]
     slip = np.concatenate([load.slip for load in loads])
     arm = np.concatenate([load.arm for load in loads])
     contact = np.concatenate([load.contact for load in loads])
-    give = np.concatenate([load.give for load in loads])
+    drive = np.array([slope, slope, 1.0, slope])
+    give = np.concatenate([g.give * drive if g.by_drive else g.give for g in loads])
     smooth = np.sum([load.smooth for load in loads], axis=0)
     pushed = np.zeros(len(asked))
     for load in loads:

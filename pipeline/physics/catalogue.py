@@ -68,7 +68,8 @@ def richer(term: Term) -> tuple[Term, ...]:
         ("friction", "symmetric"): (Friction("asymmetric"),),
         ("creep", "one"): (Creep("two"),),
         ("tension_loss", "linear"): (TensionLoss("late"), TensionLoss("settling")),
-        ("slack", "free"): (Slack("loaded"),),
+        ("contact", "upper"): (Contact("upper hardening"),),
+        ("contact", "lower"): (Contact("lower hardening"),),
         ("frame_lag", "time"): (FrameLag("frames"),),
     }
     return others.get((term.name, term.form), ())

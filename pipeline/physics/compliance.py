@@ -35,7 +35,7 @@ class Compliance(Term):
             Parameter("softness", "", 0.0, 1.5, 0.2, 0.2),
             Parameter("reach", unit, 0.01 * half, 2.0 * half, 0.2 * half, 0.2 * half),
             stretch,
-            Parameter("stiffness", "", 0.02, 2.0, 0.3, 0.05, weak=True),
+            Parameter("stiffness", "", 0.01, 2.0, 0.2, 0.05, weak=True),
         )
 
     def load(self, values: np.ndarray, motion: Motion) -> Load:
@@ -49,4 +49,4 @@ class Compliance(Term):
         half = 0.5 * around.angle_span
         if self.form == "joint":
             return np.array([[h / half**2, s] for h in (0.03, 0.3) for s in (0.0, 0.2)])
-        return np.array([[0.1, r * half, 0.0, 0.3] for r in (0.05, 0.12, 0.25, 0.5)])
+        return np.array([[0.1, r * half, 0.0, 0.2] for r in (0.05, 0.12, 0.25, 0.5)])

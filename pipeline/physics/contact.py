@@ -25,27 +25,32 @@ class Contact(Term):
 
     @property
     def side(self) -> float:
-        return 1.0 if self.form == "upper" else -1.0
+        return 1.0 if self.form.startswith("upper") else -1.0
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
         span, unit = around.angle_span, around.angle_unit
         middle = around.angle_low + 0.5 * span
         ends = sorted((middle - 0.2 * self.side * span, middle + 0.6 * self.side * span))
         start = middle + 0.3 * self.side * span
-        return (
+        own = (
             Parameter("stiffness", "", 0.0, STIFFEST, 0.5, 0.5),
             Parameter("angle", unit, ends[0], ends[1], start, 0.0),
             Parameter("skin", unit, 1e-3 * span, 0.06 * span, 0.005 * span, 0.005 * span),
         )
+        if "hardening" not in self.form:
+            return own
+        return (*own, Parameter("growth", f"1/{unit}", 0.0, 40.0 / span, 1.0 / span, 2.0 / span))
 
     def load(self, values: np.ndarray, motion: Motion) -> Load:
-        return Load(contact=np.array([[self.side, values[1], values[0], values[2]]]))
+        growth = values[3] if len(values) > 3 else 0.0
+        return Load(contact=np.array([[self.side, values[1], values[0], values[2], growth]]))
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
         middle, span = around.angle_low + 0.5 * around.angle_span, around.angle_span
+        tail = [1.0 / span] if "hardening" in self.form else []
         return np.array(
             [
-                [stiffness, middle + self.side * share * span, 0.005 * span]
+                [stiffness, middle + self.side * share * span, 0.005 * span, *tail]
                 for stiffness in (0.1, 1.0)
                 for share in (-0.1, 0.0, 0.08, 0.16, 0.24, 0.32, 0.38, 0.43)
             ]

@@ -10,7 +10,10 @@ EDGE = 10
 
 
 class Curve(Protocol):
-    """A static, smooth map from the drive to the joint angle."""
+    """A static, smooth map from the drive to the joint angle, and its mean slope."""
+
+    @property
+    def slope(self) -> float: ...
 
     def __call__(self, drive: np.ndarray) -> np.ndarray: ...
 
@@ -22,6 +25,10 @@ class CubicCurve:
     gain: float = 0.7
     cubic: float = 0.0
 
+    @property
+    def slope(self) -> float:
+        return self.gain
+
     def __call__(self, drive: np.ndarray) -> np.ndarray:
         return drive * (self.gain - self.cubic * drive * drive)
 
@@ -29,6 +36,8 @@ class CubicCurve:
 @dataclass(frozen=True)
 class IdentityCurve:
     """The drive is already in the joint's own angle (a simulation's trace)."""
+
+    slope: float = 1.0
 
     def __call__(self, drive: np.ndarray) -> np.ndarray:
         return np.asarray(drive, dtype=float)
@@ -60,6 +69,10 @@ class SampledCurve:
     first: float
     spacing: float
     angle: np.ndarray
+
+    @property
+    def slope(self) -> float:
+        return float(self.angle[-1] - self.angle[0]) / (self.spacing * (len(self.angle) - 1))
 
     def __call__(self, drive: np.ndarray) -> np.ndarray:
         edge = min(EDGE, len(self.angle) - 1)

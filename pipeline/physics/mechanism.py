@@ -80,7 +80,9 @@ class Mechanism:
         signal = self.curve(signal)
         balanced = [p for p in pieces if p.term.in_balance]
         if balanced:
-            signal, after["balance"] = settle(signal, balanced, motion, before.get("balance"))
+            signal, after["balance"] = settle(
+                signal, balanced, motion, self.curve.slope, before.get("balance")
+            )
         body = signal
         for piece in pieces:
             if not (piece.term.before_curve or piece.term.in_balance):
