@@ -20,6 +20,7 @@ TERM_COST = 8.0
 LEAST_GAIN = 6.0
 AT_BOUND = 1.0
 SECOND_SIDE = 1.0
+WORTH = 150.0
 UNLIKELY = {"response_lag": 8.0}
 
 
@@ -191,7 +192,11 @@ def polished(search: Search, choices: list[Choice]) -> list[Choice]:
                 continue
             fit = improve(evaluate(best.fit.ground, rest))
             without = search.weighed(fit, best.place)
-            found[key] = without
+            if without.score < best.score + WORTH:
+                without = grown(search, without)
+            found[without.fit.key] = without
+            if without.fit.key != key:
+                found.setdefault(key, without)
             for child in extended(search, without, 5):
                 if child.fit.key not in found or child.score < found[child.fit.key].score:
                     found[child.fit.key] = child

@@ -12,6 +12,7 @@ JITTERS = (0.0, 0.08, 0.16, 0.3, 0.6, 1.2)
 WALKS = (0.0, 0.004, 0.01, 0.025, 0.06, 0.15)
 SHAPES = ((0.0, 0.0), (1.0, 0.35), (1.0, 0.5), (1.0, 0.65), (1.0, 0.78), (0.5, 0.8))
 CAP = 16.0
+MIDDLE = 3
 JITTER_COST = 1.0
 WALK_COST = 2.0
 
@@ -66,8 +67,10 @@ class NoiseFamily:
     ) -> tuple[NoiseModel, tuple[int, int, int]]:
         """The likeliest noise for a residual (n,), by descent over the grid from a place."""
         filled = np.where(self.used, residual, 0.0)
-        known = {start: self.weigh(start, filled)}
-        best = start
+        shape = start[0]
+        begins = {start, (shape, 0, 0), (shape, MIDDLE, 0), (shape, 0, MIDDLE)}
+        known = {place: self.weigh(place, filled) for place in begins}
+        best = min(known, key=lambda place: known[place][0])
         sizes = (len(self.shapes), len(JITTERS), len(WALKS))
         while True:
             moves = [
@@ -76,7 +79,7 @@ class NoiseFamily:
                 for way in (-1, 1)
                 if 0 <= best[axis] + way < sizes[axis]
             ]
-            moves += [(shape, best[1], best[2]) for shape in range(sizes[0])]
+            moves += [(other, best[1], best[2]) for other in range(sizes[0])]
             for move in moves:
                 if move not in known:
                     known[move] = self.weigh(move, filled)

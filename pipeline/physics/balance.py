@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 NO_SLIP = np.zeros((0, 3))
 NO_ARM = np.zeros((0, 2))
 NO_GIVE = np.zeros((0, 4))
-NO_CONTACT = np.zeros((0, 5))
+NO_CONTACT = np.zeros((0, 4))
 SWEEPS = 40
 PRECISE = 1e-8
 FAR = 14.0
@@ -38,11 +38,13 @@ class Load:
     slip: (m, 3) stiffness [1], force limit against rising and against falling [angle unit].
     arm: (a, 2) stiffness [1] and time constant [s] of a spring with a dashpot (Maxwell).
     smooth: (4,) linear [1], cubic [1/angle^2], gravity [angle] and gravity's zero [rad].
-    contact: (c, 5) side (+1, -1), angle, stiffness [1], the depth [angle] over which that stiffness
-        builds up round the angle, and its growth with depth [1/angle].
+    contact: (c, 4) side (+1, -1), angle, stiffness [1], and the depth [angle] over which that
+        stiffness builds up round the angle.
     give: (g, 4) most that the wire gives way besides [angle], force at which it does so [angle], the
         joint's own stiffness [1], and the angle at which the wire is slack [angle].
-    by_drive: the angles in `give` are in the drive's unit.
+    loose: (l, 4) half the way over which both wires hang slack [drive unit], the softness of its ends
+        [drive unit], the joint's own stiffness [1], and the drive in the middle of that way.
+    pretension: load beyond which one of two wires hangs slack and the other gives twice [angle].
     pushed: (n,) load from outside that moves a free joint by as much [angle]; None where none.
     """
 
@@ -51,7 +53,8 @@ class Load:
     smooth: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
     contact: np.ndarray = field(default_factory=lambda: NO_CONTACT)
     give: np.ndarray = field(default_factory=lambda: NO_GIVE)
-    by_drive: bool = False
+    loose: np.ndarray = field(default_factory=lambda: NO_GIVE)
+    pretension: float = np.inf
     pushed: np.ndarray | None = None
 
 
@@ -76,13 +79,32 @@ def _stops(at, radian, gravity, zero, contact):  # type: ignore[no-untyped-def]
             ramp, steep = skin * np.log1p(bite), bite / (1.0 + bite)
         else:
             continue
-        load += contact[j, 0] * contact[j, 2] * ramp * (1.0 + contact[j, 4] * ramp)
-        slope += contact[j, 2] * steep * (1.0 + 2.0 * contact[j, 4] * ramp)
+        load += contact[j, 0] * contact[j, 2] * ramp
+        slope += contact[j, 2] * steep
     return load, slope
 
 
+@njit(cache=True, error_model="numpy")
+def _loose(force, half, softness):  # type: ignore[no-untyped-def]
+    """How far two loose wires give beyond stiff ones, and the slope of that by the force.
+
+    Each wire pulls by softness * log(1 + exp((+-e - half) / softness)) / 2, e being how far they
+    give; that is solved for e in closed form.
+    """
+    size = 2.0 * abs(force) / softness
+    if size > FAR:
+        return (half + abs(force)) * (1.0 if force > 0.0 else -1.0), 1.0
+    slack = np.exp(-half / softness)
+    grown = np.expm1(size)
+    root = np.sqrt(grown * grown + 4.0 * slack * slack * (1.0 + grown))
+    x = (grown + root) / (2.0 * slack)
+    steep = (1.0 + (grown + 2.0 * slack * slack) / root) / (2.0 * slack)
+    give = softness * np.log(x) - abs(force)
+    return give if force > 0.0 else -give, 2.0 * (1.0 + grown) / x * steep - 1.0
+
+
 @njit(cache=True, fastmath=True, error_model="numpy")
-def balance(q, pushed, dwell, state, slip, arm, smooth, radian, contact, give, fresh):  # type: ignore[no-untyped-def]
+def balance(q, pushed, dwell, state, slip, arm, smooth, radian, contact, give, loose, pretension, fresh):  # type: ignore[no-untyped-def]
     """Joint angles for the asked angles `q`, shape (n,), and the state to carry.
 
     The state is (q - pushed, angle, forces of the sliders, far ends of the arms). A sample is taken
@@ -137,11 +159,22 @@ def balance(q, pushed, dwell, state, slip, arm, smooth, radian, contact, give, f
                     steep += k[i] if free == held else 0.0
                 rest, slope = at + load - q[row], 1.0 + steep
                 for j in range(gives):
-                    pulled = give[j, 2] * (at - give[j, 3]) + load
-                    root = np.sqrt(give[j, 1] * give[j, 1] + pulled * pulled)
-                    rest += give[j, 0] * pulled / root
-                    share = give[j, 0] * give[j, 1] * give[j, 1] / (root * root * root)
+                    turned = (give[j, 2] * (at - give[j, 3]) + load) / give[j, 1]
+                    if abs(turned) > FAR:
+                        rest += give[j, 0] if turned > 0.0 else -give[j, 0]
+                        continue
+                    share = np.tanh(turned)
+                    rest += give[j, 0] * share
+                    share = give[j, 0] * (1.0 - share * share) / give[j, 1]
                     slope += share * (give[j, 2] + steep)
+                for j in range(loose.shape[0]):
+                    pulled = loose[j, 2] * (at - loose[j, 3]) + load
+                    extra, share = _loose(pulled, loose[j, 0], loose[j, 1])
+                    rest += extra
+                    slope += share * (loose[j, 2] + steep)
+                if abs(load) > pretension:
+                    rest += load - pretension if load > 0.0 else load + pretension
+                    slope += steep
                 yielding = 1.0 / max(slope, 0.05)
                 move = rest * yielding
                 if abs(move) < PRECISE:
@@ -181,8 +214,8 @@ def settle(
     slip = np.concatenate([load.slip for load in loads])
     arm = np.concatenate([load.arm for load in loads])
     contact = np.concatenate([load.contact for load in loads])
-    drive = np.array([slope, slope, 1.0, slope])
-    give = np.concatenate([g.give * drive if g.by_drive else g.give for g in loads])
+    give = np.concatenate([load.give for load in loads])
+    loose = np.concatenate([load.loose for load in loads]) * [slope, slope, 1.0, slope]
     smooth = np.sum([load.smooth for load in loads], axis=0)
     pushed = np.zeros(len(asked))
     for load in loads:
@@ -193,6 +226,6 @@ def settle(
     dwell = np.diff(motion.time_s, prepend=last)
     angle, after = balance(
         np.ascontiguousarray(asked), pushed, dwell, carried[1:], slip, arm, smooth, motion.radian,
-        contact, give, state is None,
+        contact, give, loose, min(load.pretension for load in loads), state is None,
     )  # fmt: skip
     return angle, np.concatenate([motion.time_s[-1:], after])

@@ -68,8 +68,8 @@ def richer(term: Term) -> tuple[Term, ...]:
         ("friction", "symmetric"): (Friction("asymmetric"),),
         ("creep", "one"): (Creep("two"),),
         ("tension_loss", "linear"): (TensionLoss("late"), TensionLoss("settling")),
-        ("contact", "upper"): (Contact("upper hardening"),),
-        ("contact", "lower"): (Contact("lower hardening"),),
+        ("contact", "upper"): (Contact("upper unloading"),),
+        ("contact", "lower"): (Contact("lower unloading"),),
         ("frame_lag", "time"): (FrameLag("frames"),),
     }
     return others.get((term.name, term.form), ())

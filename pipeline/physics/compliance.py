@@ -10,7 +10,7 @@ from pipeline.physics.term import Parameter, Surroundings, Term
 class Compliance(Term):
     """Stretch of the wire under the joint's own stiffness, in the balance.
 
-    stretch * theta, and besides, in form "wire", softness * theta / sqrt(1 + (theta / reach)^2) of a
+    stretch * theta, and besides, in form "wire", softness * reach * tanh(theta / reach) of a
     free joint: a wire that is soft while it is loose and hardens with its force; `stiffness` is the
     joint's over the wire's. Form "joint": hardening * theta^3. Source: two
     springs in series; toe region of wire ropes, Feyrer, Wire Ropes (2015), section 2.3; Duffing.
@@ -49,4 +49,6 @@ class Compliance(Term):
         half = 0.5 * around.angle_span
         if self.form == "joint":
             return np.array([[h / half**2, s] for h in (0.03, 0.3) for s in (0.0, 0.2)])
-        return np.array([[0.1, r * half, 0.0, 0.2] for r in (0.05, 0.12, 0.25, 0.5)])
+        return np.array(
+            [[0.1, r * half, s, 0.2] for r in (0.05, 0.12, 0.25, 0.5) for s in (0.0, 0.3)]
+        )

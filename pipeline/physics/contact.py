@@ -37,20 +37,21 @@ class Contact(Term):
             Parameter("angle", unit, ends[0], ends[1], start, 0.0),
             Parameter("skin", unit, 1e-3 * span, 0.06 * span, 0.005 * span, 0.005 * span),
         )
-        if "hardening" not in self.form:
+        if "unloading" not in self.form:
             return own
-        return (*own, Parameter("growth", f"1/{unit}", 0.0, 40.0 / span, 1.0 / span, 2.0 / span))
+        return (*own, Parameter("pretension", unit, 1e-3 * span, 0.4 * span, 0.05 * span, 0.05 * span))
 
     def load(self, values: np.ndarray, motion: Motion) -> Load:
-        growth = values[3] if len(values) > 3 else 0.0
-        return Load(contact=np.array([[self.side, values[1], values[0], values[2], growth]]))
+        contact = np.array([[self.side, values[1], values[0], values[2]]])
+        return Load(contact=contact, pretension=values[3] if len(values) > 3 else np.inf)
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
         middle, span = around.angle_low + 0.5 * around.angle_span, around.angle_span
-        tail = [1.0 / span] if "hardening" in self.form else []
+        tails = [[0.02 * span], [0.08 * span]] if "unloading" in self.form else [[]]
         return np.array(
             [
                 [stiffness, middle + self.side * share * span, 0.005 * span, *tail]
+                for tail in tails
                 for stiffness in (0.1, 1.0)
                 for share in (-0.1, 0.0, 0.08, 0.16, 0.24, 0.32, 0.38, 0.43)
             ]

@@ -37,7 +37,7 @@ class EndStop(Term):
         )
 
     def load(self, values: np.ndarray, motion: Motion) -> Load:
-        return Load(contact=np.array([[self.side, values[0], HARD, values[1], 0.0]]))
+        return Load(contact=np.array([[self.side, values[0], HARD, values[1]]]))
 
     def scaled(self, values: np.ndarray, factor: float) -> np.ndarray:
         return values.copy()

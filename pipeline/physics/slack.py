@@ -8,10 +8,11 @@ from pipeline.physics.term import Parameter, Surroundings, Term
 
 
 class Slack(Term):
-    """In the balance, the wire gives way by w/2 against the sign of its force, with soft corners.
+    """In the balance, both wires hang loose over a width, and beyond it one of them pulls alone.
 
-    Where nothing else loads the joint, nothing moves within w/2 of the centre c; otherwise the load
-    decides on which side it hangs. `stiffness` is the joint's over the wire's. Source: dead-zone
+    Where nothing else loads the joint, nothing moves within half the width of the centre; otherwise
+    the load decides on which side it hangs. `stiffness` is the joint's over the wires'. A wire only
+    pulls, and its slack ends over `rounding` (see `balance.py`). Source: dead-zone
     nonlinearity, Tao and Kokotovic, Adaptive Control of Systems with Actuator and Sensor
     Nonlinearities (1996).
     """
@@ -28,13 +29,13 @@ class Slack(Term):
             Parameter("width", unit, 0.0, 0.8 * span, 0.05 * span, 0.05 * span),
             Parameter("centre", unit, middle - far, middle + far, middle, 0.05 * span),
             Parameter("rounding", unit, 1e-4 * span, 0.02 * span, 0.002 * span, 0.002 * span),
-            Parameter("stiffness", "", 0.01, 2.0, STIFFNESS, 0.05, weak=True),
+            Parameter("stiffness", "", 0.01, 2.0, STIFFNESS, 0.02, weak=True),
         )
 
     def load(self, values: np.ndarray, motion: Motion) -> Load:
         width, centre, rounding, stiffness = values
-        give = [0.5 * width, stiffness * rounding, stiffness, centre]
-        return Load(give=np.array([give]), by_drive=True)
+        softness = max(rounding, width / MOST_SHARP)
+        return Load(loose=np.array([[0.5 * width, softness, stiffness, centre]]))
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
         span = around.drive_span
@@ -48,4 +49,5 @@ class Slack(Term):
         )
 
 
-STIFFNESS = 0.1
+STIFFNESS = 0.05
+MOST_SHARP = 400.0
