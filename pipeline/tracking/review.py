@@ -5,8 +5,9 @@ one time axis that begins with each axis's own first sample, so that one cursor 
 """
 
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -48,11 +49,17 @@ SERIES = {
     "compensated": ("compensated model", "compensated", 1.5),
     "nominal_error": ("nominal model", "nominal", 1.5),
     "compensated_error": ("compensated model", "compensated", 1.5),
+    "simulated": ("simulation as it came", "nominal", 1.5),
+    "corrected": ("corrected simulation", "compensated", 1.5),
+    "simulated_error": ("simulation as it came", "nominal", 1.5),
+    "corrected_error": ("corrected simulation", "compensated", 1.5),
 }
 SHAFT = ("command", "encoder")
 ANGLES = ("measured", "nominal", "compensated")
 ERRORS = ("nominal_error", "compensated_error")
-AS_POINTS = ("measured", *ERRORS)
+SIMULATED = ("measured", "simulated", "corrected")
+LEFT_OUT = ("simulated_error", "corrected_error")
+AS_POINTS = ("measured", *ERRORS, *LEFT_OUT)
 
 Signals = dict[str, tuple[np.ndarray, np.ndarray]]
 
@@ -74,6 +81,20 @@ class AxisReview:
     loop_png: bytes
 
 
+@dataclass(frozen=True)
+class DiagnosisReview:
+    """What is shown of one measurement's diagnosis.
+
+    time_s: (n,). values: the series of `SIMULATED` and `LEFT_OUT` by name, each (n,) [unit], NaN
+    where there is none. pictures: PNGs by name (a word).
+    """
+
+    time_s: np.ndarray
+    values: Mapping[str, np.ndarray]
+    unit: str
+    pictures: Mapping[str, bytes]
+
+
 def write_review(
     path: Path, axes: Mapping[str, AxisReview], pictures: Mapping[str, bytes], summary: str
 ) -> None:
@@ -82,20 +103,50 @@ def write_review(
     `pictures` are PNGs by name (a word), `summary` is Markdown. Frames wider than 640 px are halved
     until they are not, and evenly thinned to at most 1000 an axis; the signals keep every sample.
     """
+    signals = {axis: _signals(axis, review) for axis, review in axes.items()}
+    with _written(path, blueprint(signals, list(pictures))) as stream:
+        for axis, review in axes.items():
+            _log_axis(stream, axis, review, signals[axis])
+        _log_pictures(stream, "figures", pictures)
+        _log_summary(stream, summary)
+
+
+def write_diagnosis_review(
+    path: Path, measurements: Mapping[str, DiagnosisReview], summary: str
+) -> None:
+    """Write the recording of a diagnosis whole, or leave the old one; `summary` is Markdown."""
+    signals = {
+        name: _finite({k: (review.time_s, v) for k, v in review.values.items()})
+        for name, review in measurements.items()
+    }
+    views: list[rrb.Container | rrb.View] = []
+    for name, review in measurements.items():
+        plots = rrb.Vertical(
+            _series_view(name, SIMULATED, f"measured and simulated [{review.unit}]", signals[name]),
+            _series_view(name, LEFT_OUT, f"measured − simulated [{review.unit}]", signals[name]),
+        )
+        pictures = [
+            _picture_view(f"{name}/figures/{p}", p.replace("_", " ")) for p in review.pictures
+        ]
+        views.append(rrb.Horizontal(plots, rrb.Tabs(*pictures), name=name))
+    views.append(rrb.TextDocumentView(origin="summary", name="Summary"))
+    with _written(path, _opened(rrb.Tabs(*views, active_tab=0))) as stream:
+        for name, review in measurements.items():
+            _log_signals(stream, name, signals[name])
+            _log_pictures(stream, f"{name}/figures", review.pictures)
+        _log_summary(stream, summary)
+
+
+@contextmanager
+def _written(path: Path, layout: rrb.Blueprint) -> Iterator[rr.RecordingStream]:
+    """A stream into a neighbour file that takes the place of `path` once all is in it."""
     rr.set_strict_mode(True)
     stream = rr.RecordingStream(APPLICATION)
     neighbour = path.with_name(f".{path.stem}.{os.getpid()}.part.rrd")
     path.parent.mkdir(parents=True, exist_ok=True)
-    signals = {axis: _signals(axis, review) for axis, review in axes.items()}
     try:
-        stream.save(neighbour, default_blueprint=blueprint(signals, list(pictures)))
-        for axis, review in axes.items():
-            _log_axis(stream, axis, review, signals[axis])
-        for name, png in pictures.items():
-            image = rr.EncodedImage(contents=png, media_type="image/png")
-            stream.log(f"figures/{name}", image, static=True)
-        document = rr.TextDocument(summary, media_type=rr.MediaType.MARKDOWN)
-        stream.log("summary", document, static=True)
+        stream.save(neighbour, default_blueprint=layout)
+        yield stream
         stream.flush()
         stream.disconnect()
         neighbour.replace(path)
@@ -119,8 +170,12 @@ def blueprint(signals: Mapping[str, Signals], pictures: Sequence[str]) -> rrb.Bl
     summary = rrb.TextDocumentView(origin="summary", name="Summary")
     notes = rrb.TextLogView(origin="/", contents="/**/notes", name="Notes")
     shaft = rrb.Vertical(*shafts, name="Motor shafts")
+    return _opened(rrb.Tabs(overview, shaft, loops, *figures, summary, notes, active_tab=0))
+
+
+def _opened(views: rrb.Tabs) -> rrb.Blueprint:
     return rrb.Blueprint(
-        rrb.Tabs(overview, shaft, loops, *figures, summary, notes, active_tab=0),
+        views,
         rrb.BlueprintPanel(state="collapsed"),
         rrb.SelectionPanel(state="collapsed"),
         rrb.TimePanel(state="collapsed", timeline=TIMELINE, play_state="paused"),
@@ -189,6 +244,10 @@ def _signals(axis: str, review: AxisReview) -> Signals:
     }
     if f"{axis}_encoder_deg" in recording.samples:
         series["encoder"] = (time_s, recording.values(f"{axis}_encoder_deg"))
+    return _finite(series)
+
+
+def _finite(series: Signals) -> Signals:
     return {
         name: (when_s[np.isfinite(values)], values[np.isfinite(values)])
         for name, (when_s, values) in series.items()
@@ -203,8 +262,18 @@ def _log_axis(stream: rr.RecordingStream, axis: str, review: AxisReview, signals
     _log_loop(stream, axis, review, time_s)
     if len(review.markers):
         _log_notes(stream, axis, review.markers, time_s)
-    image = rr.EncodedImage(contents=review.loop_png, media_type="image/png")
-    stream.log(f"{axis}/loop_picture", image, static=True)
+    _log_pictures(stream, axis, {"loop_picture": review.loop_png})
+
+
+def _log_pictures(stream: rr.RecordingStream, entity: str, pictures: Mapping[str, bytes]) -> None:
+    for name, png in pictures.items():
+        image = rr.EncodedImage(contents=png, media_type="image/png")
+        stream.log(f"{entity}/{name}", image, static=True)
+
+
+def _log_summary(stream: rr.RecordingStream, summary: str) -> None:
+    document = rr.TextDocument(summary, media_type=rr.MediaType.MARKDOWN)
+    stream.log("summary", document, static=True)
 
 
 def _log_frames(

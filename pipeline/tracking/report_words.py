@@ -1,0 +1,165 @@
+"""What a diagnosis says in sentences for people who have never seen diagnosis.json."""
+
+import math
+from collections.abc import Iterable
+
+from pipeline.discrepancy.result import Diagnosis, NamedPhysics
+
+TITLES = {
+    "no_mismatch": "Nothing left out",
+    "explained": "Explained",
+    "partly_explained": "Partly explained",
+    "unknown_physics": "Unknown physics",
+    "ambiguous": "More than one answer",
+}
+TONES = {
+    "no_mismatch": "good",
+    "explained": "good",
+    "partly_explained": "open",
+    "ambiguous": "open",
+    "unknown_physics": "bad",
+}
+WHAT_IT_IS = {
+    "lost_steps": "the shaft slips at a moment: a jump of the zero",
+    "transmission_ripple": "a periodic error over the shaft angle: eccentric pulley, gear teeth",
+    "backlash": "play: lost motion with sharp corners after each reversal",
+    "friction": "wire friction with pre-sliding: a loop with rounded corners",
+    "slack": "a dead zone around home, without a loop",
+    "compliance": "stretch: less motion than commanded, hardening",
+    "creep": "part of the motion arrives late, and depends on the dwell",
+    "tension_loss": "a wire that slackens: the loop's width grows from cycle to cycle",
+    "gravity": "deflection that depends on the absolute pose",
+    "contact": "stiffer beyond an angle on one side",
+    "end_stop": "no motion beyond an angle",
+    "coupling": "another axis's command moves this one",
+    "coulomb_friction": "a force against the motion, whatever its speed",
+    "viscous_friction": "a force against the motion that grows with its speed",
+    "stribeck_friction": "friction that falls when motion sets in",
+    "stiffness": "a force that grows with the position, like a spring's",
+    "inertia": "a force that grows with the acceleration",
+    "response_lag": "the whole motion comes after the command",
+    "camera_tilt": "the camera sees the plane of motion from the side",
+    "lens_distortion": "an error that grows with the angle in the image",
+    "frame_lag": "the frame shows an earlier pose",
+    "marker_outliers": "frames in which the marker was mistaken",
+    "drift": "the zero wanders with time or from cycle to cycle",
+}
+COORDINATES = {
+    "command": "Command",
+    "direction": "Direction of motion",
+    "travel": "Travel since the last reversal",
+    "dwell": "Dwell",
+    "rate": "Rate",
+    "image_position": "Position in the image",
+    "time": "Time",
+    "cycle": "Cycle",
+    "single_frames": "Single frames",
+}
+
+
+def said(name: str) -> str:
+    """A catalogue name as people say it."""
+    return name.replace("_", " ")
+
+
+def number(value: float) -> str:
+    """Three significant digits without an exponent where it can be; a dash for what is not."""
+    if not math.isfinite(value):
+        return "–"
+    if value != 0.0 and not 1e-3 <= abs(value) < 1e5:
+        return f"{value:.2e}".replace("-", "−")
+    digits = 0 if value == 0.0 else max(0, 2 - math.floor(math.log10(abs(value))))
+    text = f"{value:.{digits}f}"
+    return (text.rstrip("0").rstrip(".") if "." in text else text).replace("-", "−")
+
+
+def percent(share: float) -> str:
+    """`71 %`, `< 1 %`, `> 99 %`."""
+    if 0.0 < share < 0.01:
+        return "< 1 %"
+    return "> 99 %" if 0.99 < share < 1.0 else f"{100.0 * share:.0f} %"
+
+
+def chance(p_value: float) -> str:
+    """A p-value in words."""
+    if p_value < 1e-3:
+        return "noise alone would look so in fewer than one recording in 1000"
+    return f"noise alone would look so in {percent(p_value)} of recordings"
+
+
+def coordinate(name: str) -> str:
+    """A coordinate as people say it."""
+    kind, _, channel = name.partition(":")
+    if kind == "other_command":
+        return f"Command of {said(channel.partition('_command')[0] or channel)}"
+    return COORDINATES.get(kind, said(kind).capitalize())
+
+
+def verdict_sentence(diagnosis: Diagnosis) -> str:
+    """The verdict in a sentence."""
+    named = listed(_with_site(physics) for physics in diagnosis.physics)
+    rest = f" (it shows in {diagnosis.unexplained.where})" if diagnosis.unexplained.where else ""
+    if diagnosis.verdict == "explained":
+        return f"The simulation leaves out {named}."
+    if diagnosis.verdict == "partly_explained":
+        return (
+            f"The simulation leaves out {named}, and something more "
+            f"that nothing in the catalogue explains{rest}."
+        )
+    if diagnosis.verdict == "unknown_physics":
+        return (
+            f"The simulation leaves something out, and nothing in the catalogue explains it{rest}."
+        )
+    if diagnosis.verdict == "ambiguous":
+        certain = listed(_with_site(p) for p in diagnosis.physics if not p.alternatives)
+        either = [one_of(_names(p)) for p in diagnosis.physics if p.alternatives]
+        found = ", and ".join([*([certain] if certain else []), *either])
+        return f"The simulation leaves out {found}; this recording can't tell which."
+    return (
+        "The simulation leaves nothing out that this recording could show: "
+        "what differs is noise and calibration."
+    )
+
+
+def error_sentence(diagnosis: Diagnosis) -> str:
+    """Before and after, on held-out cycles, against the noise."""
+    unit, noise = diagnosis.unit, number(diagnosis.noise)
+    before, after = (number(e.heldout_rmse) for e in (diagnosis.before, diagnosis.after))
+    if not diagnosis.physics:
+        return (
+            f"On cycles that nothing was fitted to, the error is {before} {unit}, and {after} "
+            f"{unit} once gain and offset are right; the noise is {noise} {unit}."
+        )
+    return (
+        f"Corrected for that, the error on cycles that nothing was fitted to falls from "
+        f"{before} to {after} {unit}; the noise is {noise} {unit}."
+    )
+
+
+def sentence(text: str) -> str:
+    """The text with a capital in front."""
+    return text[:1].upper() + text[1:]
+
+
+def listed(words: Iterable[str]) -> str:
+    """`a`, `a and b`, `a, b and c`."""
+    found = list(words)
+    if len(found) < 2:
+        return "".join(found)
+    return f"{', '.join(found[:-1])} and {found[-1]}"
+
+
+def one_of(words: Iterable[str]) -> str:
+    """`a or b`, `one of a, b or c`."""
+    found = list(words)
+    if len(found) < 3:
+        return " or ".join(found)
+    return f"one of {', '.join(found[:-1])} or {found[-1]}"
+
+
+def _names(physics: NamedPhysics) -> list[str]:
+    return [said(name) for name in (physics.name, *physics.alternatives)]
+
+
+def _with_site(physics: NamedPhysics) -> str:
+    return f"{said(physics.name)} ({physics.site})"
