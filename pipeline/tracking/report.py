@@ -9,7 +9,6 @@ import numpy as np
 import pandas as pd
 from jinja2 import Environment, StrictUndefined
 from markupsafe import Markup
-from matplotlib.figure import Figure
 
 from pipeline.discrepancy.result import Diagnosis, Evidence
 from pipeline.recording import write_atomically
@@ -57,7 +56,11 @@ def write_report(
         }
         pictures = {name: paths[0].read_bytes() for name, paths in saved.items()}
         reviews[diagnosis.measurement] = review_of(proof, pictures)
-        measurements.append(_measurement(diagnosis, proof, figures))
+        drawn = {
+            name: Markup(svg_of(figure, f"{diagnosis.measurement}-{name}", PAGE_COLOURS))
+            for name, figure in figures.items()
+        }
+        measurements.append(_measurement(diagnosis, proof, drawn))
     write_atomically(folder / "report.html", page(measurements))
     write_diagnosis_review(folder / "diagnosis.rrd", reviews, summary(diagnoses))
 
@@ -102,12 +105,8 @@ def page(measurements: Sequence[Mapping[str, Any]]) -> str:
 
 
 def _measurement(
-    diagnosis: Diagnosis, evidence: Evidence, figures: Mapping[str, Figure]
+    diagnosis: Diagnosis, evidence: Evidence, pictures: Mapping[str, Markup]
 ) -> dict[str, Any]:
-    pictures = {
-        name: Markup(svg_of(figure, f"{diagnosis.measurement}-{name}", PAGE_COLOURS))
-        for name, figure in figures.items()
-    }
     located = [entry for entry in evidence.located if entry.where is not None]
     largest = max(diagnosis.before.heldout_rmse, diagnosis.after.heldout_rmse, diagnosis.noise)
     return {
