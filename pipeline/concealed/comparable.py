@@ -39,6 +39,8 @@ def comparable(case: Case, hidden: Hidden) -> list[Quantity]:
         case "creep" if "second_dashpot_s" not in number:
             slower = _free_to_held(size, gain)
             return [_quantity("time_constant", number["dashpot_s"] * slower, "s")]
+        case "response_lag":
+            return [_quantity("time_constant", size, "s")]
         case "coupling":
             slope = gain * (1.0 + case.gain_error) * number["other_lever"] * size
             return [_quantity("gain", slope, "deg/deg")]

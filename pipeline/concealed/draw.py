@@ -32,8 +32,11 @@ EXCLUSIVE = (
     frozenset({"contact", "end_stop"}),
     frozenset({"backlash", "friction", "tension_loss"}),
     frozenset({"lost_steps", "drift"}),
+    frozenset({"creep", "response_lag", "frame_lag"}),
 )
-EXCLUSIVE_PLAIN = (frozenset({"backlash", "friction", "tension_loss", "creep", "frame_lag"}),)
+EXCLUSIVE_PLAIN = (
+    frozenset({"backlash", "friction", "tension_loss", "creep", "response_lag", "frame_lag"}),
+)
 OUTSIDE_PLAIN = tuple(name for name in OUTSIDE if name != "step_resonance")
 
 

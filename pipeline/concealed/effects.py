@@ -118,6 +118,10 @@ def creep(rng: np.random.Generator, motion: Motion, plant: Plant) -> Effect:
     return Effect("creep", settings, tuple(scaled), 0.5)
 
 
+def response_lag(rng: np.random.Generator, motion: Motion, plant: Plant) -> Effect:
+    return Effect("response_lag", {"viscosity_s": 1.0}, ("viscosity_s",), 12.0)
+
+
 def tension_loss(rng: np.random.Generator, motion: Motion, plant: Plant) -> Effect:
     travel = float(np.abs(np.diff(motion.pitch_deg[motion.cycle < 9])).sum())
     kind = rng.choice(["steady", "steady", "settling", "late"])
@@ -244,7 +248,7 @@ CATALOGUE: dict[str, Draw] = {
     f.__name__: f
     for f in (
         lost_steps, transmission_ripple, backlash, friction, slack, compliance, creep,
-        tension_loss, gravity, contact, end_stop, coupling, camera_tilt, lens_distortion,
-        frame_lag, drift,
+        response_lag, tension_loss, gravity, contact, end_stop, coupling, camera_tilt,
+        lens_distortion, frame_lag, drift,
     )
 }  # fmt: skip

@@ -109,6 +109,7 @@ def outcome(
         "held_out_over_noise": held_out_ratio(truth, answer.predictions, measured_deg, cycle),
         "claimed_over_noise": _claimed(entry, truth),
         "later_over_noise": later_ratio(truth, answer.predictions, cycle),
+        "floor_over_noise": _later_floor(truth),
         "seconds": answer.seconds,
     }
 
@@ -150,6 +151,13 @@ def later_ratio(truth: Truth, predictions: pd.DataFrame | None, cycle: np.ndarra
     later = cycle >= RECORDED_CYCLES
     error = predictions[f"{MEASUREMENT}_predicted"].to_numpy(float) - np.array(truth["clean_deg"])
     return float(np.sqrt(np.mean(error[later] ** 2)) / truth["noise"]["total_deg"])
+
+
+def _later_floor(truth: Truth) -> float:
+    """What `later_ratio` is for one who knows all but calibration; NaN where that one is."""
+    if truth["kind"] == "walk":
+        return float("nan")
+    return float(truth["noise"]["later_floor_deg"] / truth["noise"]["total_deg"])
 
 
 def _claimed(entry: Entry, truth: Truth) -> float:

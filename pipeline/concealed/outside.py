@@ -66,9 +66,10 @@ def parity_bump(motion: Motion, joint: np.ndarray, p: Parameters) -> np.ndarray:
 
 
 def delayed_echo(motion: Motion, joint: np.ndarray, p: Parameters) -> np.ndarray:
-    """A part of the pose of minutes ago comes back, as from a hose that fills slowly."""
-    past = np.interp(motion.time_s - p["delay_s"], motion.time_s, joint, left=0.0)
-    older = np.interp(motion.time_s - 2.3 * p["delay_s"], motion.time_s, joint, left=0.0)
+    """How far the joint was bent minutes ago, either way, still presses: a hose that fills."""
+    bent = np.abs(joint)
+    past = np.interp(motion.time_s - p["delay_s"], motion.time_s, bent, left=0.0)
+    older = np.interp(motion.time_s - 2.3 * p["delay_s"], motion.time_s, bent, left=0.0)
     return np.asarray(joint + p["strength"] * (past - 0.7 * older))
 
 

@@ -30,7 +30,8 @@ class Nominal:
 class Plant:
     """All parts; the defaults do nothing, and the joint then follows the nominal curve.
 
-    Torques are in units of the joint's bending stiffness times a degree.
+    Torques are in units of the joint's bending stiffness times a degree; `viscosity_s` is the
+    time constant with which a viscous body follows its wires.
     """
 
     nominal: Nominal = field(default_factory=Nominal)
@@ -58,6 +59,7 @@ class Plant:
     dashpot_s: float = 60.0
     second_dashpot_share: float = 0.0
     second_dashpot_s: float = 300.0
+    viscosity_s: float = 0.0
     weight: float = 0.0
     mounting_rad: float = 1.5
     pad_stiffness: float = 0.0
@@ -106,7 +108,7 @@ def joint_deg(plant: Plant, motion: Motion) -> np.ndarray:
     )  # fmt: skip
     path = joint_path(
         payout, outer, interval, MOVE_S, _constants(plant), clearance, reach, stiffness,
-        dashpot_k, dashpot_s,
+        dashpot_k, dashpot_s, plant.viscosity_s,
     )  # fmt: skip
     return np.asarray(path[skip:])
 

@@ -104,6 +104,8 @@ FURTHER: dict[str, FigureOf] = {
     "random walk: names other than drift": _of_kind("not_drift", "walk"),
     "outside: names not hidden": _of_kind("spurious", "outside"),
     "held-out RMSE as stated over noise, median": _quantile("claimed_over_noise", 0.5),
+    "later cycles, knowing all but calibration, median": _quantile("floor_over_noise", 0.5),
+    "the same, 90th percentile": _quantile("floor_over_noise", 0.9),
 }
 
 

@@ -4,7 +4,7 @@ Some can never be told by the contract of the diagnosis (`ALWAYS`, `PLAIN`: what
 curve; a lag or a creep at one dwell). Others are found by fitting the plant with the rival's parts
 to the effect: where even the best fit leaves less than `TOLD_APART`, twice the log-likelihood that
 separates them, the rival is a true one. Effects larger than `TOLD_OVER_NOISE` are always told
-apart then (found with a hundred draws of each), and a name that contains another as its limit
+apart then (twenty to forty draws of each pair), and a name that contains another as its limit
 (growing play and play) is no rival of it: the simpler one is right.
 """
 
@@ -22,18 +22,26 @@ from pipeline.concealed.sizing import calibration_columns
 
 IMPLIED = {"tension_loss": frozenset({"backlash"})}
 ALWAYS = (BENDS,)
-PLAIN = (frozenset({"friction", "creep"}), frozenset({"backlash", "frame_lag"}))
+PLAIN = (
+    frozenset({"friction", "creep"}),
+    frozenset({"creep", "response_lag"}),
+    frozenset({"backlash", "frame_lag"}),
+    frozenset({"frame_lag", "response_lag"}),
+)
 CANDIDATES = {
-    "backlash": ("friction", "creep", "frame_lag"),
-    "friction": ("backlash", "creep", "frame_lag"),
-    "creep": ("backlash", "friction", "frame_lag"),
-    "frame_lag": ("backlash", "friction", "creep"),
+    "backlash": ("friction", "creep", "frame_lag", "response_lag"),
+    "friction": ("backlash", "creep", "frame_lag", "response_lag"),
+    "creep": ("backlash", "friction", "frame_lag", "response_lag"),
+    "response_lag": ("backlash", "friction", "creep", "frame_lag"),
+    "frame_lag": ("backlash", "friction", "creep", "response_lag"),
     "tension_loss": ("backlash", "friction"),
-    "contact": ("end_stop", "gravity"),
-    "end_stop": ("contact", "gravity", "lens_distortion"),
-    "gravity": ("contact", "end_stop"),
+    "contact": ("end_stop", "camera_tilt", "gravity", "lens_distortion"),
+    "end_stop": ("contact",),
     "slack": ("compliance",),
     "compliance": ("slack",),
+    "camera_tilt": ("contact",),
+    "gravity": ("contact",),
+    "lens_distortion": ("contact",),
     "lost_steps": ("drift",),
     "drift": ("lost_steps",),
 }
@@ -80,6 +88,7 @@ def _forms(motion: Motion, top_deg: float) -> dict[str, list[Form]]:
             )
         ],
         "creep": [Form({}, {"dashpot_share": (0.001, 0.5), "dashpot_s": (4.0, 400.0)})],
+        "response_lag": [Form({}, {"viscosity_s": (0.05, 15.0)})],
         "frame_lag": [Form({}, {"stale_s": (0.05, 15.0)})],
         "contact": [
             Form(
@@ -102,6 +111,9 @@ def _forms(motion: Motion, top_deg: float) -> dict[str, list[Form]]:
         "gravity": [Form({}, {"weight": (2.0, 900.0), "mounting_rad": (-3.1, 3.2)})],
         "lens_distortion": [
             Form({}, {"barrel": (-0.6, 0.6), "centre_x_mm": (2.0, 6.0), "centre_y_mm": (-3.0, 3.0)})
+        ],
+        "camera_tilt": [
+            Form({"perspective": 1.0}, {"tilt_deg": (2.0, 55.0), "tilt_axis_deg": (0.0, 180.0)})
         ],
         "lost_steps": [Form({}, {"slip_deg": (-20.0, 20.0), "slip_sample": (100.0, 1700.0)})],
         "drift": [

@@ -11,6 +11,7 @@ from pipeline.concealed.motions import HELD_OUT
 from pipeline.concealed.outside import OUTSIDE
 from pipeline.concealed.rivals import IMPLIED, rivals_of
 from pipeline.concealed.seal import Truth
+from pipeline.concealed.sizing import calibration_columns
 
 
 def truth_of(case: Case, realised: Realised) -> Truth:
@@ -60,4 +61,17 @@ def _noise(case: Case, realised: Realised) -> dict[str, float]:
         "total_deg": float(np.hypot(case.noise.sigma_deg, case.noise.jitter_deg)),
         "rms_deg": float(np.sqrt(np.mean(blur[good] ** 2))),
         "held_out_rms_deg": float(np.sqrt(np.mean(blur[held] ** 2))),
+        "later_floor_deg": _later_floor(case, realised, np.where(good & ~held, blur, np.nan)),
     }
+
+
+def _later_floor(case: Case, realised: Realised, blur: np.ndarray) -> float:
+    """rms error on the later cycles of one who knows all but calibration [deg].
+
+    Calibration (with a curve where one is declared) is fitted to the training cycles, where
+    `blur` (n,) is the noise; else it is NaN.
+    """
+    columns = calibration_columns(realised.simulated_deg, case.tolerance_shape_deg > 0)
+    known = np.isfinite(blur)
+    fitted = columns @ np.linalg.lstsq(columns[known], blur[known], rcond=None)[0]
+    return float(np.sqrt(np.mean(fitted[~realised.recorded] ** 2)))

@@ -11,7 +11,7 @@ import numpy as np
 from numba import njit
 
 MOVE_SUBSTEPS = 2
-DWELL_SHARES = np.array([0.02, 0.08, 0.25, 0.65])
+DWELL_SHARES = np.array([0.02, 0.04, 0.07, 0.10, 0.13, 0.17, 0.21, 0.26])
 BENDING_STIFFNESS = 1.0
 NEWTON_STEPS = 60
 TOLERANCE_DEG = 1e-8
@@ -96,7 +96,7 @@ def balance(uptake: float, drum: float, last: float, outer: float, c: np.ndarray
             branch_torque: float, branch_slope: float) -> tuple[float, float]:  # fmt: skip
     """Sum of the torques on the joint, and its slope over the uptake.
 
-    The dashpot branches pull with `branch_torque - branch_slope * joint`.
+    Dashpot branches and drag pull with `branch_torque - branch_slope * joint`.
     """
     joint = c[GAIN] * uptake + c[CUBIC] * uptake**3
     gain = c[GAIN] + 3.0 * c[CUBIC] * uptake**2
@@ -144,21 +144,23 @@ def balanced(start: float, drum: float, last: float, outer: float, c: np.ndarray
 @njit(cache=True)
 def joint_path(shaft: np.ndarray, outer: np.ndarray, interval_s: np.ndarray, move_s: float,
                c: np.ndarray, clearance: np.ndarray, reach: np.ndarray, stiffness: np.ndarray,
-               dashpot_k: np.ndarray, dashpot_s: np.ndarray) -> np.ndarray:  # fmt: skip
+               dashpot_k: np.ndarray, dashpot_s: np.ndarray,
+               viscosity_s: float) -> np.ndarray:  # fmt: skip
     """Joint angle [deg] at the end of each interval, shape (n,).
 
     `shaft` [deg] and `outer` torque, both (n,), are reached linearly in the first `move_s` of an
     interval. `c` are the CONSTANTS. `clearance` is (half width [deg], growth per degree of
     travel, travel at which the growth saturates (0: never), travel before it starts).
+    `viscosity_s` is the time constant of the body's drag on the ideal wires (0: none).
     """
     out = np.empty(len(shaft))
     held = np.zeros(len(reach))
     dashpot = np.zeros(len(dashpot_k))
     drum, uptake, joint, travel = shaft[0], shaft[0], 0.0, 0.0
     before, outer_before = shaft[0], outer[0]
-    substeps = MOVE_SUBSTEPS + (len(DWELL_SHARES) if len(dashpot_k) else 0)
+    waits = len(dashpot_k) > 0 or viscosity_s > 0.0
     for i in range(len(shaft)):
-        for k in range(substeps):
+        for k in range(MOVE_SUBSTEPS + (len(DWELL_SHARES) if waits else 0)):
             share, dt = 1.0, move_s / MOVE_SUBSTEPS
             if k < MOVE_SUBSTEPS:
                 share = (k + 1.0) / MOVE_SUBSTEPS
@@ -169,21 +171,37 @@ def joint_path(shaft: np.ndarray, outer: np.ndarray, interval_s: np.ndarray, mov
             half = worn_half_width(clearance, travel)
             drum = min(max(drum, theta - half), theta + half)
             push = outer_before + share * (outer[i] - outer_before)
-            branch = dashpot_k * dashpot_s / (dashpot_s + dt)
+            branch = dashpot_k * np.exp(-dt / dashpot_s)
+            drag = 2.0 * c[NOMINAL_WIRE] / c[GAIN] * lag_weight(dt, viscosity_s)
             uptake = balanced(
                 uptake, drum, joint, push, c, held, reach, stiffness,
-                (branch * dashpot).sum(), branch.sum(),
+                (branch * dashpot).sum() + drag * joint, branch.sum() + drag,
             )  # fmt: skip
             new = c[GAIN] * uptake + c[CUBIC] * uptake**3
-            grip = 1.0 + c[CAPSTAN] * abs(new) / CAPSTAN_DEG
-            for b in range(len(held)):
-                z = held[b] + new - joint
-                held[b] = min(max(z, -reach[b] * c[GRIP_DOWN] * grip), reach[b] * c[GRIP_UP] * grip)
-            dashpot += (new - dashpot) * dt / (dashpot_s + dt)
+            drag_along(held, new - joint, 1.0 + c[CAPSTAN] * abs(new) / CAPSTAN_DEG, c, reach)
+            dashpot += (new - dashpot) * (1.0 - np.exp(-dt / dashpot_s))
             joint = new
         before, outer_before = shaft[i], outer[i]
         out[i] = joint
     return out
+
+
+@njit(cache=True)
+def lag_weight(dt: float, lag_s: float) -> float:
+    """Stiffness with which drag holds a joint where it was, over that of its springs.
+
+    Exact for a joint on linear springs: it covers 1 - exp(-dt / lag_s) of its way.
+    """
+    return 1.0 / np.expm1(dt / lag_s) if lag_s > 0.0 else 0.0
+
+
+@njit(cache=True)
+def drag_along(held: np.ndarray, moved: float, grip: float, c: np.ndarray,
+               reach: np.ndarray) -> None:  # fmt: skip
+    """Bend the bristles with the joint, as far as they hold; `held` is changed."""
+    for i in range(len(held)):
+        z = held[i] + moved
+        held[i] = min(max(z, -reach[i] * c[GRIP_DOWN] * grip), reach[i] * c[GRIP_UP] * grip)
 
 
 @njit(cache=True)

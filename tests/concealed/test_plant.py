@@ -104,17 +104,30 @@ def test_soft_wires_lower_the_gain_and_harden():
     assert slope[2] < slope[20] < slope[-2] < 0.7
 
 
-def test_a_dashpot_lets_part_of_a_step_arrive_late():
+@pytest.mark.parametrize("interval_s", [1.0, 4.0, 20.0])
+def test_a_dashpot_lets_part_of_a_step_arrive_late(interval_s):
     share, tau = 0.2, 50.0
     branch = share * 2 * WIRE_STIFFNESS
-    pitch = np.concatenate([[0.0], np.full(400, 20.0)])
+    pitch = np.concatenate([[0.0], np.full(int(400 / interval_s), 20.0)])
     plant = replace(IDEAL, nominal=Nominal(0.7), dashpot_share=share, dashpot_s=tau)
-    angle = respond(plant, motion_of(pitch, interval_s=1.0))
+    angle = respond(plant, motion_of(pitch, interval_s))
     free = tau * (SPRINGS + branch) / SPRINGS
     assert angle[-1] == pytest.approx(14.0, rel=1e-2)
-    at = np.array([1.0 + k for k in (20, 60, 120)])
-    missing = 14.0 * branch / (SPRINGS + branch) * np.exp(-(at - MOVE_S / 2) / free)
-    assert 14.0 - angle[[21, 61, 121]] == pytest.approx(missing, rel=0.05)
+    samples = np.array([20, 60, 120]) // int(interval_s)
+    missing = (
+        14.0 * branch / (SPRINGS + branch) * np.exp(-(samples * interval_s - MOVE_S / 2) / free)
+    )
+    assert 14.0 - angle[samples] == pytest.approx(missing, rel=0.02)
+
+
+def test_a_viscous_body_follows_with_its_time_constant():
+    pitch = np.concatenate([[0.0], np.full(60, 20.0)])
+    plant = replace(IDEAL, nominal=Nominal(0.7), viscosity_s=6.0)
+    angle = respond(plant, motion_of(pitch, interval_s=1.0))
+    ratio = (14.0 - angle[[4, 9, 16]]) / (14.0 - angle[3])
+    assert ratio == pytest.approx(np.exp(-np.array([1, 6, 13]) / 6.0), rel=5e-3)
+    assert 14.0 - angle[1] == pytest.approx(14.0 * np.exp(-(1.0 - MOVE_S / 2) / 6.0), rel=0.01)
+    assert angle[-1] == pytest.approx(14.0, abs=0.01)
 
 
 def test_wear_widens_the_loop_from_cycle_to_cycle(plain):

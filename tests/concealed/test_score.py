@@ -57,7 +57,7 @@ def truth_of(kind: str, *effects: dict[str, Any]) -> dict[str, Any]:
         "effects": list(effects),
         "mistaken_rows": [],
         "clean_deg": [0.0] * 15,
-        "noise": {"held_out_rms_deg": 0.2, "total_deg": 0.2},
+        "noise": {"held_out_rms_deg": 0.2, "total_deg": 0.2, "later_floor_deg": 0.02},
     }
 
 
@@ -225,6 +225,9 @@ def test_an_oracle_meets_every_requirement_that_it_can(folders, tmp_path):
         0, abs=1e-3
     )
     assert table.loc["one effect right", "plain of"] == COUNTS["one"] / 2
+    floor = got.outcomes["floor_over_noise"].dropna()
+    assert len(floor) == len(got.outcomes) - COUNTS["walk"]
+    assert ((floor > 0.001) & (floor < 0.6)).all()
     assert len(got.intervals) > 0
     assert got.calibration["right"].tolist() == [1.0]
     assert got.effects["effects"].sum() >= 8 + 4 + 6
