@@ -15,7 +15,14 @@ from pipeline.laboratory import Laboratory, open_laboratory
 from pipeline.physics.mechanism import Mechanism
 from pipeline.recording import Recording, write_atomically
 from pipeline.runners.acquisition import record, see
-from pipeline.runners.diagnosis import Answered, answer, commands_file, summary, write_answer
+from pipeline.runners.diagnosis import (
+    Answered,
+    answer,
+    commands_file,
+    summary,
+    write_answer,
+    write_pages,
+)
 from pipeline.runners.evaluation import landing, trial_commands
 from pipeline.runners.run_folder import Run, made
 from pipeline.stages.acquisition import protocol
@@ -37,6 +44,7 @@ def run_close_the_gap(run: Run) -> None:
                 run.config.diagnosis, [simulate(run.config.simulation, _only(whole, axis))]
             )
             write_answer(answered, folder)
+            write_pages(answered, folder)
             print(f"  round {number}: {summary(answered.diagnoses[0])}")
             proposed = answered.proposals[0]
             if answered.diagnoses[0].verdict != "ambiguous" or proposed is None:

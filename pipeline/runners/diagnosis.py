@@ -19,6 +19,7 @@ from pipeline.runners.run_folder import Run, made
 from pipeline.stages.diagnosis import diagnose
 from pipeline.stages.prediction import predict
 from pipeline.stages.simulation import simulate
+from pipeline.tracking.report import write_report
 
 MODEL_FILE = "model.json"
 
@@ -43,11 +44,13 @@ def run_diagnosis(run: Run) -> None:
         save_recording(recording, run.folder / "diagnosis" / name)
     answered = answer(run.config.diagnosis, list(recordings.values()))
     write_answer(answered, run.folder)
+    write_pages(answered, run.folder)
     for evidence in answered.evidence:
         file = made(run.folder / "diagnosis") / f"{evidence.measurement}.csv"
         write_atomically(file, _table(evidence).to_csv(index=False))
     for diagnosis in answered.diagnoses:
         print(f"  {summary(diagnosis)}")
+    print(f"  report, opens in any browser: {run.folder / 'report.html'}")
 
 
 def answer(config: DiagnosisConfig, recordings: Sequence[Recording]) -> Answered:
@@ -81,6 +84,12 @@ def write_answer(answered: Answered, folder: Path) -> None:
             file = commands_file(diagnosis.measurement, len(answered.diagnoses))
             write_atomically(folder / file, proposal.commands.to_csv(index=False))
     write_atomically(folder / "diagnosis.json", json.dumps(as_json(answered.diagnoses), indent=1))
+
+
+def write_pages(answered: Answered, folder: Path) -> None:
+    """Write report.html, its figures and the rerun recording of the diagnosis."""
+    commands = [None if p is None else p.commands for p in answered.proposals]
+    write_report(folder, answered.diagnoses, answered.evidence, commands)
 
 
 def summary(diagnosis: Diagnosis) -> str:
