@@ -32,9 +32,13 @@ def with_account(
 
 
 def located_in(evidence: Evidence, residual: np.ndarray) -> tuple[Located, ...]:
-    """Where a residual, shape (n,), of the rows that a fit may use lies."""
-    looked_at = np.where(evidence.train & evidence.used, residual, np.nan)
+    """Where a residual, shape (n,), of the rows that a fit may use lies, outliers among them.
+
+    It is looked for along the command, also where a simulation's trace drives the mechanism.
+    """
+    looked_at = np.where(evidence.train, residual, np.nan)
     recording = evidence.recording
+    motion = replace(evidence.motion, drive=recording.values(evidence.drive))
     unit = recording.channel(evidence.measurement).unit
     drive_unit = recording.channel(evidence.drive).unit
-    return tuple(locate(looked_at, evidence.motion, evidence.before, unit, drive_unit))
+    return tuple(locate(looked_at, motion, evidence.before, unit, drive_unit))

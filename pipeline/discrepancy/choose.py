@@ -1,6 +1,6 @@
 """Choosing terms: a beam over sets, every parameter refitted, polished by deletion and swap."""
 
-from collections.abc import Sequence
+from collections.abc import Container, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -21,7 +21,11 @@ LEAST_GAIN = 6.0
 AT_BOUND = 1.0
 SECOND_SIDE = 1.0
 WORTH = 150.0
-UNLIKELY = {"response_lag": 8.0}
+EARLIER = 6
+LAGGARD, CLEAR = 0.3, 60.0
+
+Key = frozenset[tuple[str, str]]
+UNLIKELY = {"response_lag": 8.0, "lost_steps": 3.0}
 
 
 @dataclass(frozen=True)
@@ -93,27 +97,49 @@ def choose(search: Search, ground: Ground) -> list[Choice]:
     found = {base.fit.key: base}
     beam = [base]
     for _ in range(MOST_TERMS):
-        children: dict[frozenset[tuple[str, str]], Choice] = {}
-        for parent in beam:
-            for child in extended(search, parent):
-                known = children.get(child.fit.key)
-                if known is None or child.score < known.score:
-                    children[child.fit.key] = child
-        if not children:
-            break
         before = min(c.score for c in found.values())
-        for key, child in children.items():
-            if key not in found or child.score < found[key].score:
-                found[key] = child
-        beam = sorted(children.values(), key=lambda c: c.score)[:BEAM]
+        level: dict[Key, Choice] = {}
+        for parent in beam:
+            for child in extended(search, parent, skip=level):
+                level[child.fit.key] = child
+        if not level:
+            break
+        found |= {k: c for k, c in level.items() if k not in found or c.score < found[k].score}
+        beam = promising(list(level.values()), base.score)
         if beam[0].score > before + LEAST_GAIN:
             break
-    return polished(search, sorted(found.values(), key=lambda c: c.score))
+    return polished(search, list(found.values()))
 
 
-def extended(search: Search, parent: Choice, branches: int = BRANCHES) -> list[Choice]:
-    """The parent with each of the most promising further terms."""
-    leads = by_term(screen(parent.fit, search.effects, allowed(search.terms, parent.fit)))
+def choose_again(search: Search, ground: Ground, earlier: Sequence[Choice]) -> list[Choice]:
+    """The best choices on other rows, begun from earlier ones (the best and the empty one)."""
+    begun = [*earlier[:EARLIER], *(c for c in earlier[EARLIER:] if not c.fit.pieces)]
+    again = [search.weighed(evaluate(ground, c.fit.pieces), c.place, 8) for c in begun]
+    found = {c.fit.key: c for c in again}
+    best = min(again, key=lambda c: c.score)
+    for child in extended(search, best, skip=found):
+        found[child.fit.key] = child
+    return polished(search, list(found.values()))
+
+
+def promising(choices: Sequence[Choice], base: float) -> list[Choice]:
+    """The best few, but for those that gained much less than the best on an empty explanation."""
+    best, *rest = sorted(choices, key=lambda c: c.score)[:BEAM]
+    gain = base - best.score
+    near = [c for c in rest if base - c.score > LAGGARD * gain or gain < CLEAR]
+    return [best, *near]
+
+
+def extended(
+    search: Search, parent: Choice, branches: int = BRANCHES, skip: Container[Key] = ()
+) -> list[Choice]:
+    """The parent with each of the most promising further terms; sets in `skip` are left out."""
+    terms = [
+        t
+        for t in allowed(search.terms, parent.fit)
+        if parent.fit.key | {(t.name, t.form)} not in skip
+    ]
+    leads = by_term(screen(parent.fit, search.effects, terms))
     trials = []
     for few in leads[:branches]:
         trials.append(improve(started(parent.fit, few), 3))
@@ -180,6 +206,7 @@ def _reformed(fit: Fit, place: int, term: Term) -> Fit:
 def polished(search: Search, choices: list[Choice]) -> list[Choice]:
     """Richer forms, deletions and swaps of the best as long as it gets better."""
     found = {c.fit.key: c for c in choices}
+    tried: set[Key] = set()
     for _ in range(3):
         best = min(found.values(), key=lambda c: c.score)
         richest = grown(search, best)
@@ -188,8 +215,9 @@ def polished(search: Search, choices: list[Choice]) -> list[Choice]:
         for piece in best.fit.pieces:
             rest = [p for p in best.fit.pieces if p is not piece]
             key = frozenset((p.term.name, p.term.form) for p in rest)
-            if key in found:
+            if key in tried:
                 continue
+            tried.add(key)
             fit = improve(evaluate(best.fit.ground, rest))
             without = search.weighed(fit, best.place)
             if without.score < best.score + WORTH:

@@ -23,7 +23,7 @@ from pipeline.discrepancy.result import (
     Unexplained,
 )
 from pipeline.discrepancy.ties import Standing, by_names, standing, weights_of
-from pipeline.discrepancy.verdict import Structure, fewer, structure_of
+from pipeline.discrepancy.verdict import Structure, beyond_tolerance, fewer, follows, structure_of
 from pipeline.physics.catalogue import term
 from pipeline.physics.mechanism import Mechanism
 from pipeline.recording import Recording
@@ -40,8 +40,14 @@ def diagnose_measurement(
     explanation = explain(small)
     best = explanation.choices[0]
     structure = structure_of(explanation, best)
-    if structure.found:
+    if not follows(explanation, best):
+        structure = replace(structure, found=True, where="everywhere")
+        best = next(c for c in explanation.choices if not c.fit.pieces)
+    elif structure.found:
         best = fewer(explanation, best)
+    intolerable = beyond_tolerance(best)
+    if intolerable is not None:
+        structure = replace(structure, found=True, where=intolerable)
     model = model_of(measurement, problem, best)
     evidence = evidence_of(recording, measurement, problem, explanation, best, model)
     physics = named_physics(explanation, best, evidence, structure)
@@ -101,7 +107,7 @@ def evidence_of(
 ) -> Evidence:
     """All rows of the recording with their predictions, and the hypotheses that compete."""
     after, deviation = model.predict(problem.motion)
-    outliers = isolated(problem.measured - after, problem.train)
+    outliers = isolated(problem.measured - after, problem.train, explanation.prior.finest)
     distinct = [c for c in by_names(explanation.choices) if c.score < best.score + RIVAL_GAP]
     if best not in distinct:
         distinct = [best]

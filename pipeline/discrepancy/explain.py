@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pipeline.discrepancy.choose import Choice, Search, choose
+from pipeline.discrepancy.choose import Choice, Search, choose, choose_again
 from pipeline.discrepancy.fit import ground_of
 from pipeline.discrepancy.noise_family import noise_family
 from pipeline.discrepancy.noise_learning import NoisePrior, learn_noise
@@ -41,12 +41,15 @@ def explain(problem: Problem) -> Explanation:
     candidates = excited_terms(problem)
     effects = effects_of(problem, candidates)
     settled = settled_rows(problem)
-    outliers = isolated(problem.measured - problem.simulated, problem.train)
+    outliers = isolated(problem.measured - problem.simulated, problem.train, prior.finest)
+    choices: list[Choice] = []
     for _ in range(ROUNDS):
         used = problem.train & settled & ~outliers
         search = Search(candidates, effects, noise_family(prior, problem.cycle, used))
-        choices = choose(search, ground_of(problem, prior.model, used))
-        found = isolated(problem.measured - choices[0].fit.predicted, problem.train)
+        ground = ground_of(problem, prior.model, used)
+        choices = choose_again(search, ground, choices) if choices else choose(search, ground)
+        residual = problem.measured - choices[0].fit.predicted
+        found = isolated(residual, problem.train, prior.finest)
         same = np.array_equal(found & problem.train, outliers & problem.train)
         outliers = found
         if same:

@@ -85,8 +85,9 @@ def separate(
     apart = [pair for pair, hope in zip(pairs, hopeful, strict=True) if hope]
     power, rms = float(best.power[hopeful].min()), float(best.apart[hopeful].min())
     unit = evidence.recording.channel(evidence.measurement).unit
+    who = told_apart_pairs(apart) if alike else told_apart(rivals)
     why = (
-        f"would separate {told_apart_pairs(apart)}: {best.block.says}, {length(best.minutes)}. "
+        f"would separate {who}: {best.block.says}, {length(best.minutes)}. "
         f"They would differ by {rms:.2g} {unit} there (noise {evidence.noise.deviation:.2g} "
         f"{unit}), which decides with a probability of {min(power, 0.99):.2f}"
     )

@@ -13,8 +13,8 @@ WALKS = (0.0, 0.004, 0.01, 0.025, 0.06, 0.15)
 SHAPES = ((0.0, 0.0), (1.0, 0.35), (1.0, 0.5), (1.0, 0.65), (1.0, 0.78), (0.5, 0.8))
 CAP = 16.0
 MIDDLE = 3
-JITTER_COST = 1.0
-WALK_COST = 2.0
+JITTER_COST = 0.5
+WALK_COST = 1.0
 
 
 @dataclass(frozen=True)
@@ -50,11 +50,13 @@ class NoiseFamily:
         n = int(self.used.sum())
         square = float(e @ e)
         sure, learnt = self.prior.sure, np.log(self.prior.model.deviation)
-        log_scale = 0.5 * np.log(max(square / n, 1e-300))
+        least = np.log(self.prior.finest)
+        log_scale = max(0.5 * np.log(max(square / n, 1e-300)), least)
         for _ in range(3):
             slope = 2 * n - 2 * square * np.exp(-2 * log_scale)
             slope += 2 * np.clip((log_scale - learnt) / sure**2, -2 / sure, 2 / sure)
             log_scale -= slope / (4 * square * np.exp(-2 * log_scale) + 2 / sure**2)
+            log_scale = max(log_scale, least)
         cost = square * np.exp(-2 * log_scale) + 2 * n * log_scale
         cost += 2 * float(np.sum(np.log(gains[self.used, 3])))
         off = abs(log_scale - learnt) / sure

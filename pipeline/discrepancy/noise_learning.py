@@ -12,6 +12,8 @@ from pipeline.discrepancy.problem import Problem
 SAME_COMMAND = 1e-3
 APART = 60
 FREE_LEVEL = 1e3
+FINEST = 1e-6
+SURE, UNSURE = 0.08, 0.3
 
 
 @dataclass(frozen=True)
@@ -20,12 +22,14 @@ class NoisePrior:
 
     model: the likeliest. repeats: how many cycles it was learnt from. sure: how sure its deviation
     is (log scale). series: the contrasts it was learnt from, zero-mean, NaN where missing.
+    finest: least deviation that counts as noise [measurement's unit].
     """
 
     model: NoiseModel
     repeats: int
     sure: float
     series: tuple[np.ndarray, ...]
+    finest: float = 1e-9
 
     def strain(self, share: float, correlation: float) -> float:
         """-2 log likelihood of the contrasts for a shape of noise, at its likeliest scale."""
@@ -49,10 +53,12 @@ def learn_noise(problem: Problem) -> NoisePrior:
     residual = np.where(problem.train, problem.measured - problem.simulated, np.nan)
     groups = repeated_cycles(problem)
     series = tuple(s for rows in groups for s in contrasts(residual, rows))
+    finest = FINEST * problem.around.angle_span
     if sum(np.isfinite(s).sum() for s in series) >= 60:
-        return NoisePrior(fit_noise(series), sum(len(g) for g in groups), 0.08, series)
+        repeats = sum(len(g) for g in groups)
+        return NoisePrior(fit_noise(series, finest), repeats, SURE, series, finest)
     rough = (rough_part(residual, problem),)
-    return NoisePrior(fit_noise(rough), 0, 0.3, ())
+    return NoisePrior(fit_noise(rough, finest), 0, UNSURE, (), finest)
 
 
 def repeated_cycles(problem: Problem) -> list[np.ndarray]:
@@ -154,11 +160,11 @@ def _joined(series: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray, np.nd
     return joined, number, used, scale
 
 
-def fit_noise(series: Sequence[np.ndarray]) -> NoiseModel:
-    """The likeliest noise of zero-mean series with free levels [their unit]."""
+def fit_noise(series: Sequence[np.ndarray], finest: float = 1e-9) -> NoiseModel:
+    """The likeliest noise of zero-mean series with free levels [their unit], at least `finest`."""
     joined, cycle, used, scale = _joined(series)
-    if scale == 0.0 or used.sum() < 5:
-        return NoiseModel(white=1e-9)
+    if scale <= finest or used.sum() < 5:
+        return NoiseModel(white=finest)
     best: tuple[float, NoiseModel] | None = None
     for correlation in (0.4, 0.85):
         for walk in (0.0, 0.05):

@@ -7,10 +7,11 @@ from pipeline.discrepancy.noise_learning import robust_deviation
 ISOLATED = 5.0
 
 
-def isolated(residual: np.ndarray, train: np.ndarray) -> np.ndarray:
+def isolated(residual: np.ndarray, train: np.ndarray, finest: float) -> np.ndarray:
     """Mask (n,) of residuals that are off from their neighbours' median by ISOLATED deviations.
 
-    residual: (n,), NaN where not measured. The deviation of that distance is learnt from `train`.
+    residual: (n,), NaN where not measured. The deviation of that distance is learnt from `train`
+    and is at least `finest`.
     """
     known = np.flatnonzero(np.isfinite(residual))
     out = np.zeros(len(residual), dtype=bool)
@@ -21,7 +22,6 @@ def isolated(residual: np.ndarray, train: np.ndarray) -> np.ndarray:
     off = r - np.median(around, axis=0)
     off[:2] = r[:2] - np.median(r[:5])
     off[-2:] = r[-2:] - np.median(r[-5:])
-    scale = robust_deviation(off[train[known]])
-    if scale > 0.0:
-        out[known] = np.abs(off) > ISOLATED * scale
+    scale = max(robust_deviation(off[train[known]]), finest)
+    out[known] = np.abs(off) > ISOLATED * scale
     return out

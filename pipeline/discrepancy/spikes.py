@@ -8,6 +8,7 @@ from scipy.stats import norm
 APART_DEVIATIONS = 7.0
 NEIGHBOURS = 3
 LARGEST_SHARE = 0.15
+SUDDEN = 0.7
 
 
 @dataclass(frozen=True)
@@ -25,7 +26,8 @@ class Spikes:
 def lone_spikes(values: np.ndarray) -> Spikes:
     """Samples off both the three before and the three after, on the same side, by 7 deviations.
 
-    A jump that stays, a corner and a slow wave are none: they agree with one side. values: (m,)
+    A jump that stays, a corner and a slow wave are none: they agree with one side, or with the
+    very next sample. values: (m,)
     finite. Where more than 15 % stand apart, none does: that is no lone sample any more.
     """
     nothing = Spikes(np.zeros(len(values), dtype=bool), np.zeros(len(values)), 1.0)
@@ -38,7 +40,9 @@ def lone_spikes(values: np.ndarray) -> Spikes:
     nearer = np.where(np.abs(before) < np.abs(after), before, after)
     height = np.where(before * after > 0, nearer, 0.0)
     scale = 1.4826 * float(np.median(np.abs(np.concatenate([before, after]))))
-    lone = np.abs(height) > APART_DEVIATIONS * scale
+    step = np.abs(np.diff(values, prepend=values[1], append=values[-2]))
+    sudden = np.minimum(step[:-1], step[1:]) > SUDDEN * np.abs(height)
+    lone = sudden & (np.abs(height) > APART_DEVIATIONS * scale)
     if scale <= 0.0 or not np.any(lone) or np.mean(lone) > LARGEST_SHARE:
         return nothing
     deviations = float(np.max(np.abs(height))) / scale

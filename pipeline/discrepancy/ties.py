@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pipeline.discrepancy.choose import Choice
+from pipeline.discrepancy.intervals import covariance_of
 from pipeline.discrepancy.problem import Problem
 
 TIE = 9.0
@@ -44,11 +45,23 @@ def standing(name: str, best: Choice, choices: list[Choice], problem: Problem) -
     gaps: dict[str, float] = {}
     for choice in distinct:
         other = names(choice) - rest
-        if rest <= names(choice) and len(other) == 1 and name not in other:
+        if rest <= names(choice) and len(other) == 1 and name not in other and grows(choice):
             gaps.setdefault(next(iter(other)), choice.score - best.score)
     tied = [n for n, gap in gaps.items() if gap < TIE]
     known = [n for n in equivalents(name, problem, best) if n not in names(best) | set(tied)]
     return Standing(probability, tuple(sorted(tied) + known), bool(tied))
+
+
+def grows(choice: Choice) -> bool:
+    """Whether a play that is said to grow does so for sure; else it is plain backlash."""
+    fit = choice.fit
+    at = 0
+    for piece in fit.pieces:
+        if piece.term.name == "tension_loss":
+            place = len(fit.nuisance) + at
+            return bool(piece.values[0] > 2.0 * np.sqrt(covariance_of(fit)[place, place]))
+        at += len(piece.values)
+    return True
 
 
 def names(choice: Choice) -> frozenset[str]:

@@ -16,6 +16,8 @@ HEAVY, LIGHT, LOPSIDED, UNEVEN = 1.5, -0.45, 0.45, 40.0
 SLOW, SLOW_SHARE = 0.87, 0.5
 SWOLLEN, STRAINED = 1.3, 8.0
 ENOUGH = 0.7
+INTOLERABLE = 5.0
+UNFOLLOWED = 0.7
 BINS = 8
 
 
@@ -27,6 +29,27 @@ class Structure:
     where: str | None
     share: float
     p_value: float
+
+
+def beyond_tolerance(choice: Choice) -> str | None:
+    """Which part of the calibration is so far off that it can be no calibration, in words."""
+    ground, nuisance = choice.fit.ground, choice.fit.nuisance
+    off = np.abs(nuisance - ground.nuisances.expected) / ground.nuisances.deviations
+    if off[0] > INTOLERABLE:
+        return f"the gain, which is {nuisance[0]:.3g}"
+    if off[1] > INTOLERABLE:
+        return f"the offset, which is {nuisance[1]:.3g} {ground.problem.around.angle_unit}"
+    return None
+
+
+def follows(explanation: Explanation, choice: Choice) -> bool:
+    """Whether the explanation tells the measurement's variation better than its mean would."""
+    measured = explanation.problem.measured[explanation.used]
+    moves = float(np.std(explanation.problem.simulated[explanation.used])) > 0.0
+    noisy = explanation.prior.model.deviation > 0.5 * float(np.std(measured))
+    if not moves or (noisy and not choice.fit.pieces):
+        return True
+    return mean_square(explanation, choice) < UNFOLLOWED * float(np.var(measured))
 
 
 def structure_of(explanation: Explanation, choice: Choice) -> Structure:
@@ -42,6 +65,8 @@ def structure_of(explanation: Explanation, choice: Choice) -> Structure:
         r for r in rests if sureness(r) > SURE and r.size > SMALLEST_SIZE * noise.deviation
     ]
     signs = odd_signs(explanation, choice)
+    if noise.deviation <= 2.0 * explanation.prior.finest:
+        return Structure(False, None, 0.0, 1.0)
     where = certain[0].where if certain else next(iter(signs), None)
     size = max([r.size for r in certain], default=0.0)
     if signs:

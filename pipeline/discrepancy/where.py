@@ -65,16 +65,16 @@ def describe(
             picture = _picture(ground.travel, loop, label, scene, by_direction=True)
         return words, picture
     if name == "dwell":
-        words = _level_words(ground.dwell_s, fitted, ground.direction, "a dwell of", "s")
+        words = _level_words(ground.dwell_s, fitted, scene, "a dwell of", "s")
         return words, _picture(ground.dwell_s, own, "dwell [s]", scene, by_direction=True)
     if name == "rate":
-        words = _level_words(ground.rate, fitted, ground.direction, "", f"{unit}/s")
+        words = _level_words(ground.rate, fitted, scene, "", f"{unit}/s")
         return words, _picture(ground.rate, own, f"rate [{unit}/s]", scene, by_direction=True)
     if name == "other_command":
         words = _other_words(channel, fitted, scene)
         return words, _picture(ground.others[channel], own, channel, scene)
     if name == "image_position":
-        words = curve_words(ground.position, own, ground.position, f"{scene.unit} in the image")
+        words = curve_words(ground.position, own, ground.position, f"{scene.unit} as simulated")
         return words, _picture(ground.position, own, f"simulated [{scene.unit}]", scene)
     if name == "time":
         return _time_words(own, scene), _picture(ground.time_s, own, "time [s]", scene)
@@ -121,8 +121,8 @@ def _loop_words(loop: np.ndarray, fades: bool, scene: Scene) -> str:
         return _fading_words("each reversal", width, scene)
     level = float(np.mean(opposite))
     if level**2 > ONE_LEVEL * float(np.mean((loop - np.mean(loop)) ** 2)):
-        lag = "lags" if level < 0 else "leads"
-        return f"{lag} in the direction of motion, by {abs(level):.3g} {scene.unit}"
+        side = "behind the motion" if level < 0 else "ahead in the direction of motion"
+        return f"{side}, by {abs(level):.3g} {scene.unit}"
     for way, end in ((-1, "upper"), (1, "lower")):
         rows = ground.direction == way
         width, share = fading_width(ground.travel[rows], opposite[rows], ground.step)
@@ -158,7 +158,7 @@ def _fading_words(turns: str, width: float, scene: Scene) -> str:
 def fading_width(travel: np.ndarray, opposite: np.ndarray, step: float) -> tuple[float, float]:
     """Travel after a reversal over which a residual changes linearly, and the share that this has.
 
-    travel: (m,) since the reversal, NaN before the first. opposite: (m,) direction times residual.
+    A straight trend over all the travel is no change after a reversal, and left out. travel: (m,) since the reversal, NaN before the first. opposite: (m,) direction times residual.
     """
     known = np.isfinite(travel)
     if np.sum(known) < 8 or not np.ptp(travel[known]) > 0:
@@ -167,20 +167,18 @@ def fading_width(travel: np.ndarray, opposite: np.ndarray, step: float) -> tuple
     weight = np.sqrt(count)
     span = float(centre[-1])
     widths = np.geomspace(max(step, 0.002 * span), 0.7 * span, 60)
-    constant = np.ones((len(centre), 1))
+    trend = np.column_stack([np.ones(len(centre)), centre])
     shares = [
-        least_squares_share(np.maximum(0.0, 1.0 - centre / width)[:, None], mean, constant, weight)
+        least_squares_share(np.maximum(0.0, 1.0 - centre / width)[:, None], mean, trend, weight)
         for width in widths
     ]
     best = int(np.argmax(shares))
-    power = float(count @ mean**2)
-    spread = float(count @ (mean - count @ mean / count.sum()) ** 2)
-    return float(widths[best]), shares[best] * spread / power if power > 0 else 0.0
+    straight = least_squares_share(trend, mean, np.zeros((len(centre), 1)), weight)
+    return float(widths[best]), shares[best] * (1.0 - straight)
 
 
-def _level_words(
-    level: np.ndarray, fitted: np.ndarray, direction: np.ndarray, noun: str, unit: str
-) -> str:
+def _level_words(level: np.ndarray, fitted: np.ndarray, scene: Scene, noun: str, unit: str) -> str:
+    direction = scene.ground.direction
     middle = 0.5 * (np.quantile(level, 0.02) + np.quantile(level, 0.98))
     high, low = level > middle, level <= middle
     noun = f"{noun} " if noun else ""
@@ -188,8 +186,11 @@ def _level_words(
     opposite = float(np.mean((direction * fitted)[high]) - np.mean((direction * fitted)[low]))
     alike = float(np.mean(fitted[high]) - np.mean(fitted[low]))
     if abs(opposite) >= abs(alike):
-        more = "lags more" if opposite < 0 else "lags less"
-        return f"{more} at {ends[0]} than at {ends[1]}"
+        behind = float(np.mean(direction * scene.values)) < 0
+        more = "more" if (opposite < 0) == behind else "less"
+        return (
+            f"{more} {'behind' if behind else 'ahead of'} the motion at {ends[0]} than at {ends[1]}"
+        )
     return f"shifts by {alike:+.3g} at {ends[0]} against {ends[1]}"
 
 

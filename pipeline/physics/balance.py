@@ -27,7 +27,7 @@ NO_ARM = np.zeros((0, 2))
 NO_GIVE = np.zeros((0, 4))
 NO_CONTACT = np.zeros((0, 4))
 SWEEPS = 40
-PRECISE = 1e-8
+PRECISE = 1e-6
 FAR = 14.0
 
 
@@ -84,7 +84,7 @@ def _stops(at, radian, gravity, zero, contact):  # type: ignore[no-untyped-def]
     return load, slope
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, fastmath=True, error_model="numpy")
 def _loose(force, half, softness):  # type: ignore[no-untyped-def]
     """How far two loose wires give beyond stiff ones, and the slope of that by the force.
 
@@ -95,7 +95,7 @@ def _loose(force, half, softness):  # type: ignore[no-untyped-def]
     if size > FAR:
         return (half + abs(force)) * (1.0 if force > 0.0 else -1.0), 1.0
     slack = np.exp(-half / softness)
-    grown = np.expm1(size)
+    grown = np.exp(size) - 1.0
     root = np.sqrt(grown * grown + 4.0 * slack * slack * (1.0 + grown))
     x = (grown + root) / (2.0 * slack)
     steep = (1.0 + (grown + 2.0 * slack * slack) / root) / (2.0 * slack)
@@ -163,10 +163,9 @@ def balance(q, pushed, dwell, state, slip, arm, smooth, radian, contact, give, l
                     if abs(turned) > FAR:
                         rest += give[j, 0] if turned > 0.0 else -give[j, 0]
                         continue
-                    share = np.tanh(turned)
-                    rest += give[j, 0] * share
-                    share = give[j, 0] * (1.0 - share * share) / give[j, 1]
-                    slope += share * (give[j, 2] + steep)
+                    left = np.exp(-abs(turned))
+                    rest += give[j, 0] * ((1.0 - left) if turned > 0.0 else (left - 1.0))
+                    slope += give[j, 0] * left / give[j, 1] * (give[j, 2] + steep)
                 for j in range(loose.shape[0]):
                     pulled = loose[j, 2] * (at - loose[j, 3]) + load
                     extra, share = _loose(pulled, loose[j, 0], loose[j, 1])
