@@ -158,7 +158,8 @@ def _fading_words(turns: str, width: float, scene: Scene) -> str:
 def fading_width(travel: np.ndarray, opposite: np.ndarray, step: float) -> tuple[float, float]:
     """Travel after a reversal over which a residual changes linearly, and the share that this has.
 
-    A straight trend over all the travel is no change after a reversal, and left out. travel: (m,) since the reversal, NaN before the first. opposite: (m,) direction times residual.
+    A straight trend over all the travel is no change after a reversal, and left out. travel: (m,)
+    since the reversal, NaN before the first. opposite: (m,) direction times residual.
     """
     known = np.isfinite(travel)
     if np.sum(known) < 8 or not np.ptp(travel[known]) > 0:

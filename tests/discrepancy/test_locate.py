@@ -137,7 +137,7 @@ def test_a_loop_that_closes_at_a_longer_dwell_is_found_there() -> None:
     long = np.isin(motion.cycle, (3, 4))
     found = located(motion, np.where(long, -0.2, -0.8) * way)
     assert sure(found)[0] == "direction"
-    assert found["dwell"].where == "lags less at a dwell of 16.8 s than at 3.36 s"
+    assert found["dwell"].where == "less behind the motion at a dwell of 16.8 s than at 3.36 s"
 
 
 def test_single_frames_do_not_hide_the_rest() -> None:
