@@ -15,7 +15,8 @@ SHAPES = 3
 class Nuisances:
     """measurement = gain * seen + offset + sum_k bend_k P_k(seen), see `Mechanism.trace`.
 
-    P_k are Legendre polynomials (orders 2 to 4) over the simulated range, see `SmoothError`. Gain, offset and bends have Gaussian priors about 1, 0 and 0.
+    P_k are Legendre polynomials (orders 2 to 4) over the simulated range, see `SmoothError`. Gain,
+    offset and bends have Gaussian priors about 1, 0 and 0.
     """
 
     middle: float

@@ -1,7 +1,7 @@
 """Choosing terms: a beam over sets, every parameter refitted, polished by deletion and swap."""
 
 from collections.abc import Container, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -231,5 +231,3 @@ def polished(search: Search, choices: list[Choice]) -> list[Choice]:
         if min(found.values(), key=lambda c: c.score) is best:
             break
     return sorted(found.values(), key=lambda c: c.score)
-
-

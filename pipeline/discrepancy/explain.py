@@ -34,8 +34,8 @@ class Explanation:
 def explain(problem: Problem) -> Explanation:
     """The sets of terms that explain a problem's training rows.
 
-    Outliers are judged on the residual of the best explanation, so that a sharp corner is none; where
-    that changes them, the choice is made anew.
+    Outliers are judged on the residual of the best explanation, so that a sharp corner is none;
+    where that changes them, the choice is made anew.
     """
     prior = learn_noise(problem)
     candidates = excited_terms(problem)

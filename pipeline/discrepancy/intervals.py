@@ -24,7 +24,9 @@ def covariance_of(fit: Fit) -> np.ndarray:
     if fit.pieces:
         columns.append(jacobian(fit))
         typical = [p.typical for piece in fit.pieces for p in parameters_of(ground, piece.term)]
-        precision.append(np.array([1.0 / (PRIOR_WIDTH * t) ** 2 if t > 0 else 0.0 for t in typical]))
+        precision.append(
+            np.array([1.0 / (PRIOR_WIDTH * t) ** 2 if t > 0 else 0.0 for t in typical])
+        )
     j = np.column_stack(columns)
     normal = j.T @ j + np.diag(np.concatenate(precision))
     scale = np.sqrt(np.maximum(np.diag(normal), 1.0 / WIDEST))
@@ -60,7 +62,9 @@ def moment_interval(fit: Fit, place: int) -> tuple[float, float]:
     first = last = near
     while first > 0 and near - first < FARTHEST and _as_good(fit, place, times[first - 1]):
         first -= 1
-    while last < len(times) - 1 and last - near < FARTHEST and _as_good(fit, place, times[last + 1]):
+    while (
+        last < len(times) - 1 and last - near < FARTHEST and _as_good(fit, place, times[last + 1])
+    ):
         last += 1
     return float(time_s[first]), float(time_s[last + 1])
 

@@ -46,14 +46,14 @@ class CorrectedModel:
         open; the motion is taken to begin where the model's recording began.
         """
         expected = self.mechanism.respond(motion)[0]
-        slopes = np.column_stack([s for s in self._slopes(motion, expected)])
+        slopes = np.column_stack(self._slopes(motion, expected))
         open_variance = np.maximum(np.einsum("ij,jk,ik->i", slopes, self.covariance, slopes), 0.0)
         noise = self.noise.deviation**2 + self.noise.jitter**2
         walked = self.noise.walk**2 * np.arange(len(expected))
         return expected, np.sqrt(noise + walked + open_variance)
 
     def _slopes(self, motion: Motion, expected: np.ndarray) -> list[np.ndarray]:
-        """Change of the prediction for a unit of each parameter, by differences of its deviation."""
+        """Change of the prediction for a unit of each parameter, by differences."""
         deviations = np.sqrt(np.maximum(np.diag(self.covariance), 0.0))
         out = []
         for k, deviation in enumerate(deviations):
@@ -142,5 +142,7 @@ def from_json(entry: Mapping[str, Any], others: list[str]) -> CorrectedModel:
         )  # fmt: skip
     except (KeyError, TypeError, ValueError) as problem:
         raise ModelError(
-            refusal("model", "the entries that a diagnosis writes", f"{problem!r}", "Diagnose anew.")
+            refusal(
+                "model", "the entries that a diagnosis writes", f"{problem!r}", "Diagnose anew."
+            )
         ) from problem

@@ -1,4 +1,4 @@
-"""The noise: white, correlated, a jitter of each cycle's zero and a slow walk, and its whitening."""
+"""The noise (white, correlated, jitter of each cycle's zero, slow walk) and its whitening."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""The noises that a fit may choose from: shapes round the learnt one, and how well repeats fit each."""
+"""The noises that a fit may choose from: shapes round the one that was learnt."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
@@ -73,15 +73,11 @@ class NoiseFamily:
         begins = {start, (shape, 0, 0), (shape, MIDDLE, 0), (shape, 0, MIDDLE)}
         known = {place: self.weigh(place, filled) for place in begins}
         best = min(known, key=lambda place: known[place][0])
-        sizes = (len(self.shapes), len(JITTERS), len(WALKS))
         while True:
-            moves = [
-                (*best[:axis], best[axis] + way, *best[axis + 1 :])
-                for axis in (1, 2)
-                for way in (-1, 1)
-                if 0 <= best[axis] + way < sizes[axis]
-            ]
-            moves += [(other, best[1], best[2]) for other in range(sizes[0])]
+            shape, jitter, walk = best
+            moves = [(other, jitter, walk) for other in range(len(self.shapes))]
+            moves += [(shape, j, walk) for j in (jitter - 1, jitter + 1) if 0 <= j < len(JITTERS)]
+            moves += [(shape, jitter, w) for w in (walk - 1, walk + 1) if 0 <= w < len(WALKS)]
             for move in moves:
                 if move not in known:
                     known[move] = self.weigh(move, filled)

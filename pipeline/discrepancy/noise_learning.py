@@ -33,7 +33,7 @@ class NoisePrior:
 
     def strain(self, share: float, correlation: float) -> float:
         """-2 log likelihood of the contrasts for a shape of noise, at its likeliest scale."""
-        joined, cycle, used, scale = _joined(self.series)
+        joined, cycle, used, _ = _joined(self.series)
         shape = NoiseModel(
             np.sqrt(max(1.0 - share, 1e-6)), np.sqrt(share), correlation, FREE_LEVEL, 0.0
         )
@@ -125,7 +125,9 @@ def contrasts(residual: np.ndarray, rows: np.ndarray) -> list[np.ndarray]:
     return [s - np.nanmean(s) for s in out if np.isfinite(s).sum() > 10]
 
 
-def _around_missing(values: np.ndarray, base: np.ndarray, out: list[np.ndarray]) -> list[np.ndarray]:
+def _around_missing(
+    values: np.ndarray, base: np.ndarray, out: list[np.ndarray]
+) -> list[np.ndarray]:
     """Where repeats are missing, as many contrasts of the others as there are."""
     for step in np.flatnonzero(~np.isfinite(values).all(axis=0)):
         have = np.isfinite(values[:, step])
@@ -150,7 +152,7 @@ def rough_part(residual: np.ndarray, problem: Problem) -> np.ndarray:
 
 
 def _joined(series: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
-    """All series in a row with gaps between, their numbers, what is used, and a robust deviation."""
+    """All series in a row with gaps between, their numbers, what is used, their deviation."""
     gap = np.full(APART, np.nan)
     joined = np.concatenate([part for s in series for part in (s, gap)])
     number = np.concatenate([np.full(len(s) + APART, k) for k, s in enumerate(series)])
@@ -192,13 +194,22 @@ def _likeliest(
 
     def cost(x: np.ndarray) -> float:
         likely = model_of(x).log_likelihood(np.where(used, values, 0.0), cycle, used)
-        far = 0.5 * ((x[2] - 0.5) / 2.0) ** 2 + 0.5 * (np.maximum(-8 - (x - np.log(scale)), 0)[:2] ** 2).sum()
+        far = (
+            0.5 * ((x[2] - 0.5) / 2.0) ** 2
+            + 0.5 * (np.maximum(-8 - (x - np.log(scale)), 0)[:2] ** 2).sum()
+        )
         return -likely + far
 
-    x0 = [np.log(start.white), np.log(start.correlated), np.log(start.correlation / (1 - start.correlation))]
+    x0 = [
+        np.log(start.white),
+        np.log(start.correlated),
+        np.log(start.correlation / (1 - start.correlation)),
+    ]
     if walks:
         x0.append(np.log(start.walk))
-    found = minimize(cost, x0, method="Nelder-Mead", options={"maxfev": 150, "xatol": 0.02, "fatol": 0.02})
+    found = minimize(
+        cost, x0, method="Nelder-Mead", options={"maxfev": 150, "xatol": 0.02, "fatol": 0.02}
+    )
     model = model_of(found.x)
     penalty = 3.5 if walks else 0.0
     return float(found.fun) + penalty, NoiseModel(

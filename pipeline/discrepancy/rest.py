@@ -1,6 +1,5 @@
 """The structured rest: what flexible curves still find in a residual that no term explains."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -39,7 +38,7 @@ def structured_rest(choice: Choice, family: NoiseFamily) -> list[Rest]:
     for where, columns in curves(problem).items():
         rest, freedom = _without(residual, columns, choice, fit.basis)
         place = choice.place
-        noise, place = family.pick(rest, place)
+        place = family.pick(rest, place)[1]
         better = family.weigh(place, np.where(ground.used, rest, 0.0))[0]
         gain = max(cost - better, 0.0)
         n = int(ground.used.sum())
@@ -90,9 +89,7 @@ def curves(problem: Problem) -> dict[str, np.ndarray]:
     for name, other in motion.others.items():
         if np.ptp(other) > 0:
             moving = branch_of(other) > 0
-            out[name] = np.column_stack(
-                [hats(other, 8) * w[:, None] for w in (moving, ~moving)]
-            )
+            out[name] = np.column_stack([hats(other, 8) * w[:, None] for w in (moving, ~moving)])
     return out
 
 
@@ -108,5 +105,3 @@ def travelled(drive: np.ndarray) -> np.ndarray:
     turns = np.concatenate([[0], reversals_of(drive)])
     last = turns[np.searchsorted(turns, np.arange(len(drive)), side="right") - 1]
     return np.abs(drive - drive[last])
-
-

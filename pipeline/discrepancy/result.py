@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from pipeline.discrepancy.model import CorrectedModel
 from pipeline.discrepancy.locate import Located
+from pipeline.discrepancy.model import CorrectedModel
 from pipeline.discrepancy.noise import NoiseModel
 from pipeline.physics.mechanism import Mechanism
 from pipeline.physics.motion import Motion

@@ -33,11 +33,15 @@ class Effects:
     places: Sequence[tuple[Term, np.ndarray]]
     columns: np.ndarray
 
-    def promising(self, fit: Fit, terms: Sequence[Term], most: int) -> list[tuple[Term, np.ndarray]]:
+    def promising(
+        self, fit: Fit, terms: Sequence[Term], most: int
+    ) -> list[tuple[Term, np.ndarray]]:
         """The candidates of each term whose nominal effect suits a fit's residual best."""
         allowed = {(t.name, t.form) for t in terms}
         wanted = [k for k, (t, _) in enumerate(self.places) if (t.name, t.form) in allowed]
-        gains = _gains(fit, [self.places[k] for k in wanted], fit.nuisance[0] * self.columns[:, wanted])
+        gains = _gains(
+            fit, [self.places[k] for k in wanted], fit.nuisance[0] * self.columns[:, wanted]
+        )
         own: dict[tuple[str, str], list[tuple[float, int]]] = {}
         for k, (gain, _) in zip(wanted, gains, strict=True):
             term = self.places[k][0]

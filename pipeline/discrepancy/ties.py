@@ -80,7 +80,8 @@ def equivalents(name: str, problem: Problem, best: Choice) -> list[str]:
     """Names that are known to give the same data as `name` under such commands.
 
     What bends one static curve is one family in any data; loops that come from lateness need
-    different dwells to be told from friction, and a delay needs different steps to be told from play.
+    different dwells to be told from friction, and a delay needs different steps to be told from
+    play.
     """
     out: list[str] = []
     if name in BENDS:

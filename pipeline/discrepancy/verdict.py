@@ -61,9 +61,7 @@ def structure_of(explanation: Explanation, choice: Choice) -> Structure:
     """
     rests = structured_rest(choice, explanation.search.family)
     noise = choice.fit.ground.noise
-    certain = [
-        r for r in rests if sureness(r) > SURE and r.size > SMALLEST_SIZE * noise.deviation
-    ]
+    certain = [r for r in rests if sureness(r) > SURE and r.size > SMALLEST_SIZE * noise.deviation]
     signs = odd_signs(explanation, choice)
     if noise.deviation <= 2.0 * explanation.prior.finest:
         return Structure(False, None, 0.0, 1.0)

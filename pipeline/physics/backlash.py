@@ -36,9 +36,7 @@ class Backlash(Term):
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
         span = around.drive_span
-        return (
-            Parameter("width", around.drive_unit, 0.0, 0.9 * span, 0.05 * span, 0.05 * span),
-        )
+        return (Parameter("width", around.drive_unit, 0.0, 0.9 * span, 0.05 * span, 0.05 * span),)
 
     def respond(
         self, signal: np.ndarray, motion: Motion, values: np.ndarray, state: np.ndarray | None

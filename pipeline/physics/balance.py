@@ -1,13 +1,14 @@
 """The balance at the joint: friction, stretch, gravity, contact and stop meet in one equation.
 
-q = theta + f + give(k theta + f)
-f = sum_i slip_i[theta] + sum_j arm_j[theta] + stretch(theta) + gravity(theta) + contact(theta) - pushed
+q = theta + f + give(k theta + f),
+f = slips[theta] + arms[theta] + stretch(theta) + gravity(theta) + contacts(theta) - pushed
 
-q is the angle that the wire asks for, theta the angle that the joint takes; every load f is divided
-by the stiffness of the wire, so that it is the angle [angle unit] by which the wire gives way. What
-a slack or toeing wire gives way besides depends on its whole force, k theta + f, k being the joint's
-own stiffness over the wire's.
-The slip elements f_i are springs with dry sliders in series (Iwan, J. Appl. Mech. 33 (1966) 893), the arms springs with dashpots in series (Maxwell).
+q is the angle that the wire asks for, theta the angle that the joint takes; every load f is
+divided by the stiffness of the wire, so that it is the angle [angle unit] by which the wire gives
+way. What a slack or toeing wire gives way besides depends on its whole force, k theta + f, k being
+the joint's own stiffness over the wire's. Where f exceeds the wires' pretension, one of the two
+hangs slack and the other gives way twice as much. Slips are springs with dry sliders in series
+(Iwan, J. Appl. Mech. 33 (1966) 893), arms are springs with dashpots in series (Maxwell).
 """
 
 from collections.abc import Sequence
@@ -40,10 +41,10 @@ class Load:
     smooth: (4,) linear [1], cubic [1/angle^2], gravity [angle] and gravity's zero [rad].
     contact: (c, 4) side (+1, -1), angle, stiffness [1], and the depth [angle] over which that
         stiffness builds up round the angle.
-    give: (g, 4) most that the wire gives way besides [angle], force at which it does so [angle], the
-        joint's own stiffness [1], and the angle at which the wire is slack [angle].
-    loose: (l, 4) half the way over which both wires hang slack [drive unit], the softness of its ends
-        [drive unit], the joint's own stiffness [1], and the drive in the middle of that way.
+    give: (g, 4) most that the wire gives way besides [angle], force at which it does so [angle],
+        the joint's own stiffness [1], and the angle at which the wire is slack [angle].
+    loose: (l, 4) half the way over which both wires hang slack [drive unit], the softness of its
+        ends [drive unit], the joint's own stiffness [1], and the drive in the middle of that way.
     pretension: load beyond which one of two wires hangs slack and the other gives twice [angle].
     pushed: (n,) load from outside that moves a free joint by as much [angle]; None where none.
     """
@@ -104,7 +105,9 @@ def _loose(force, half, softness):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, fastmath=True, error_model="numpy")
-def balance(q, pushed, dwell, state, slip, arm, smooth, radian, contact, give, loose, pretension, fresh):  # type: ignore[no-untyped-def]
+def balance(  # type: ignore[no-untyped-def]
+    q, pushed, dwell, state, slip, arm, smooth, radian, contact, give, loose, pretension, fresh
+):
     """Joint angles for the asked angles `q`, shape (n,), and the state to carry.
 
     The state is (q - pushed, angle, forces of the sliders, far ends of the arms). A sample is taken

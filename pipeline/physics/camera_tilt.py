@@ -25,7 +25,9 @@ class CameraTilt(Term):
     name = "camera_tilt"
     site = "sensor"
     group = "bend"
-    says = "The camera looks at the plane of motion from {tilt} off, so that angles are foreshortened."
+    says = (
+        "The camera looks at the plane of motion from {tilt} off, so that angles are foreshortened."
+    )
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
         return (

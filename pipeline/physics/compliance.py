@@ -10,17 +10,19 @@ from pipeline.physics.term import Parameter, Surroundings, Term
 class Compliance(Term):
     """Stretch of the wire under the joint's own stiffness, in the balance.
 
-    stretch * theta, and besides, in form "wire", softness * reach * (1 - exp(-|theta| / reach)) of a
-    free joint: a wire that is soft while it is loose and hardens with its force; `stiffness` is the
-    joint's over the wire's. Form "joint": hardening * theta^3. Source: two
-    springs in series; toe region of wire ropes, Feyrer, Wire Ropes (2015), section 2.3; Duffing.
+    stretch * theta, and besides, in form "wire", softness * reach * (1 - exp(-|theta| / reach)) of
+    a free joint: a wire that is soft while it is loose and hardens with its force; `stiffness` is
+    the joint's over the wire's. Form "joint": hardening * theta^3. Source: two springs in series;
+    toe region of wire ropes, Feyrer, Wire Ropes (2015), section 2.3; Duffing.
     """
 
     name = "compliance"
     site = "transmission"
     in_balance = True
     group = "bend"
-    says = "The wire stretches under the joint's stiffness, and hardens: it moves less than commanded."
+    says = (
+        "The wire stretches under the joint's stiffness, and hardens: it moves less than commanded."
+    )
 
     def __init__(self, form: str = "wire") -> None:
         self.form = form

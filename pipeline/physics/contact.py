@@ -12,7 +12,9 @@ STIFFEST = 6.0
 class Contact(Term):
     """stiffness * skin * log(1 + exp(side * (theta - angle) / skin)) in the balance.
 
-    A spring that is met at an angle, and whose stiffness builds up over `skin` round it. Forms "upper" and "lower" are its sides. Source: unilateral spring.
+    A spring that is met at an angle, and whose stiffness builds up over `skin` round it. Forms
+    "upper" and "lower" are its sides; an "unloading" one pushes so hard that beyond `pretension`
+    one of two wires hangs slack. Source: unilateral spring.
     """
 
     name = "contact"
@@ -39,7 +41,10 @@ class Contact(Term):
         )
         if "unloading" not in self.form:
             return own
-        return (*own, Parameter("pretension", unit, 1e-3 * span, 0.4 * span, 0.05 * span, 0.05 * span))
+        return (
+            *own,
+            Parameter("pretension", unit, 1e-3 * span, 0.4 * span, 0.05 * span, 0.05 * span),
+        )
 
     def load(self, values: np.ndarray, motion: Motion) -> Load:
         contact = np.array([[self.side, values[1], values[0], values[2]]])

@@ -8,7 +8,7 @@ from pipeline.physics.term import Parameter, Surroundings, Term
 
 
 class Coupling(Term):
-    """A load gain * v + bend * v^2 on the joint, v the other axis's command (`form` is its channel).
+    """A load gain * v + bend * v^2 on the joint, v the other axis's command (channel `form`).
 
     In the balance, so that friction, slack and contact answer to it; a free joint moves by as much.
     Source: wires of one joint that run through another, first two terms of the power series.

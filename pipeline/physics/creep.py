@@ -27,9 +27,9 @@ def dwells(motion: Motion, last_time: float) -> np.ndarray:
 class Creep(Term):
     """A spring with a dashpot beside the joint: it resists at first and gives way with time.
 
-    In the balance, arm_j = s_j (theta - v_j), v_j' = (theta - v_j) / tau_j, with one or two arms. Of
-    each motion of a free joint the `share` s / (1 + s) arrives late, with `time_constant`
-    (1 + s) tau. Source: standard linear solid (Zener); the command is held through each dwell.
+    In the balance, arm_j = s_j (theta - v_j), v_j' = (theta - v_j) / tau_j, with one or two arms.
+    Of each motion of a free joint the `share` s / (1 + s) arrives late, with `time_constant` (1 +
+    s) tau. Source: standard linear solid (Zener); the command is held through each dwell.
     """
 
     name = "creep"

@@ -11,8 +11,8 @@ HOUR_S = 3600.0
 class Drift(Term):
     """seen = theta + d(t), t from the first sample.
 
-    Forms: "linear" d = rate t; "cycle" d = rate n, n the number of the cycle; "exponential"
-    d = amplitude (1 - exp(-t / tau)); "wave" d = amplitude (sin(2 pi t / period + phase) - sin phase).
+    Forms: "linear" d = rate t; "cycle" d = rate n, n the number of the cycle; "exponential" d =
+    amplitude (1 - exp(-t / tau)); "wave" d = amplitude (sin(2 pi t / period + phase) - sin phase).
     Source: thermal drift of first order; definition.
     """
 

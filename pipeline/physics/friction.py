@@ -14,10 +14,10 @@ QUANTILES /= QUANTILES.mean()
 class Friction(Term):
     """A distribution of slip elements in the balance at the joint (see `balance.py`).
 
-    Element i yields after reach_i = reach * (1 - spread + spread * e_i), where e_i are the quantiles
-    of an exponential distribution with mean 1; all together resist with `width` / 2. spread = 0
-    is one elasto-plastic slider, spread = 1 comes close to Dahl's curve. Sources: Iwan (1966);
-    Al-Bender and Swevers, IEEE Control Systems 28(6) (2008) 64.
+    Element i yields after reach_i = reach * (1 - spread + spread * e_i), where e_i are the
+    quantiles of an exponential distribution with mean 1; all together resist with `width` / 2.
+    spread = 0 is one elasto-plastic slider, spread = 1 comes close to Dahl's curve. Sources: Iwan
+    (1966); Al-Bender and Swevers, IEEE Control Systems 28(6) (2008) 64.
     """
 
     name = "friction"
@@ -62,5 +62,3 @@ class Friction(Term):
                 for reach in (0.01, 0.04, 0.15)
             ]
         )
-
-

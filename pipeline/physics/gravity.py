@@ -10,8 +10,8 @@ from pipeline.physics.term import Parameter, Surroundings, Term
 class Gravity(Term):
     """deflection * (sin(theta - zero) + sin(zero)) in the balance.
 
-    The moment of a weight that hangs down at theta = zero, over the wire's stiffness; the deflection
-    at home is part of the offset. Source: static moment of a pendulum.
+    The moment of a weight that hangs down at theta = zero, over the wire's stiffness; the
+    deflection at home is part of the offset. Source: static moment of a pendulum.
     """
 
     name = "gravity"

@@ -9,8 +9,8 @@ from pipeline.physics.term import NO_STATE, Parameter, Surroundings, Term
 class LensDistortion(Term):
     """seen = theta + k ((theta - c)^3 + c^3): radial distortion about the angle c.
 
-    k [1/angle unit^2] is positive for a pincushion. Source: first radial term of Brown, Photogrammetric
-    Engineering 32(3) (1966) 444, along the arc of the marker.
+    k [1/angle unit^2] is positive for a pincushion. Source: first radial term of Brown,
+    Photogrammetric Engineering 32(3) (1966) 444, along the arc of the marker.
     """
 
     name = "lens_distortion"

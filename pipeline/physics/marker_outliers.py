@@ -9,8 +9,8 @@ from pipeline.physics.term import Parameter, Surroundings, Term
 class MarkerOutliers(Term):
     """In a share of the samples the seen angle is off by +-size, without memory.
 
-    Which samples is drawn from the count of samples (fixed seed), so that a block-wise answer is the
-    same. A diagnosis finds the rows themselves and never fits this response. Source: two-point
+    Which samples is drawn from the count of samples (fixed seed), so that a block-wise answer is
+    the same. A diagnosis finds the rows themselves and never fits this response. Source: two-point
     contamination.
     """
 

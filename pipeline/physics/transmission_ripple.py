@@ -17,7 +17,9 @@ class TransmissionRipple(Term):
     name = "transmission_ripple"
     site = "actuator"
     before_curve = True
-    says = "The drive runs ahead and behind by {amplitude}, again and again every {period} of shaft."
+    says = (
+        "The drive runs ahead and behind by {amplitude}, again and again every {period} of shaft."
+    )
 
     def __init__(self, form: str = "first") -> None:
         self.form = form

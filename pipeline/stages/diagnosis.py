@@ -1,9 +1,6 @@
 """Diagnosis: what the simulation of each measurement left out."""
 
-from collections.abc import Callable
-
 import numpy as np
-import pandas as pd
 
 from pipeline.config import DiagnosisConfig
 from pipeline.discrepancy.diagnose import diagnose_measurement
@@ -12,29 +9,24 @@ from pipeline.discrepancy.result import DiagnosisResult
 from pipeline.errors import refusal
 from pipeline.recording import Recording
 
-Simulation = Callable[[pd.DataFrame, str], np.ndarray]
 
-
-def diagnose(
-    config: DiagnosisConfig, recording: Recording, simulation: Simulation | None = None
-) -> DiagnosisResult:
+def diagnose(config: DiagnosisConfig, recording: Recording) -> DiagnosisResult:
     """Name the physics that the simulation of each measurement left out.
 
-    A measurement's own simulation channel is its simulation; without one, `simulation` is called
-    with the command table and the measurement's name and answers with an array (n,). Raises
-    DiagnosisError where a measurement has neither, or too few samples.
+    Every measurement needs its simulation channel in the recording (see `stages/simulation.py`).
+    Raises DiagnosisError where it has none, or where there are too few samples.
     """
     recording.require(FEWEST_SAMPLES, "a diagnosis")
     measurements = recording.with_role("measurement")
     if not measurements:
         raise DiagnosisError(
-            refusal("recording", "a channel of role 'measurement'", "none", "Add what was measured.")
+            refusal(
+                "recording", "a channel of role 'measurement'", "none", "Add what was measured."
+            )
         )
     found = [
         diagnose_measurement(
-            recording,
-            m.name,
-            pose_problem(config, recording, m.name, simulated(recording, m.name, simulation)),
+            recording, m.name, pose_problem(config, recording, m.name, simulated(recording, m.name))
         )
         for m in measurements
     ]
@@ -45,32 +37,16 @@ def diagnose(
     )
 
 
-def simulated(
-    recording: Recording, measurement: str, simulation: Simulation | None
-) -> np.ndarray:
-    """The simulation of a measurement, (n,), from the recording or from a function."""
+def simulated(recording: Recording, measurement: str) -> np.ndarray:
+    """The simulation of a measurement, (n,)."""
     channel = recording.simulation_of(measurement)
-    if channel is not None:
-        return recording.values(channel.name)
-    if simulation is None:
+    if channel is None:
         raise DiagnosisError(
             refusal(
                 f"measurement {measurement!r}",
-                "a simulation channel of it, or `simulation=`",
-                "neither",
-                "Add the channel, or choose a simulation.",
+                "a simulation channel of it",
+                "none",
+                "Add the channel, or choose a simulation with `simulation=`.",
             )
         )
-    commands = [c.name for c in recording.with_role("command")]
-    table = recording.samples[["time_s", "cycle", "step", *commands]].copy()
-    answer = np.asarray(simulation(table, measurement), dtype=float)
-    if answer.shape != (len(table),):
-        raise DiagnosisError(
-            refusal(
-                f"simulation of {measurement!r}",
-                f"an array of shape ({len(table)},)",
-                f"shape {answer.shape}",
-                "Answer with one value for each row of the command table.",
-            )
-        )
-    return answer
+    return recording.values(channel.name)

@@ -1,6 +1,6 @@
 """Prediction: what the corrected simulation says for any commands."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 import pandas as pd
@@ -11,62 +11,42 @@ from pipeline.physics.motion import Motion
 from pipeline.recording import Recording
 
 
-def predict(
-    models: Sequence[CorrectedModel],
-    recording: Recording,
-    simulated: Callable[[Recording, str], np.ndarray] | None = None,
-) -> pd.DataFrame:
+def predict(models: Sequence[CorrectedModel], recording: Recording) -> pd.DataFrame:
     """`time_s`, and of each measurement `<name>_predicted` and `<name>_std`, row by row.
 
-    The recording's motion is taken from its first row on, by its commands alone. A model that is
-    driven by a simulation's trace asks `simulated` for it (or takes the recording's own channel).
-    Raises ModelError where a channel that a model needs is missing.
+    The motion begins with the recording's first row; measurements are not looked at. A model that
+    corrects a simulation's trace needs that channel in the recording. Raises ModelError where a
+    channel that a model needs is missing.
     """
     out = pd.DataFrame({"time_s": recording.values("time_s")})
     for model in models:
-        expected, deviation = model.predict(motion_for(model, recording, simulated))
+        expected, deviation = model.predict(motion_for(model, recording))
         out[f"{model.measurement}_predicted"] = expected
         out[f"{model.measurement}_std"] = deviation
     return out
 
 
-def motion_for(
-    model: CorrectedModel,
-    recording: Recording,
-    simulated: Callable[[Recording, str], np.ndarray] | None,
-) -> Motion:
+def motion_for(model: CorrectedModel, recording: Recording) -> Motion:
     """What drives a model in this recording."""
     commands = {c.name: recording.values(c.name) for c in recording.with_role("command")}
-    if model.static:
-        if model.drive not in commands:
+    own = commands.pop(model.drive, None)
+    if not model.static:
+        channel = recording.simulation_of(model.measurement)
+        if channel is None:
             raise ModelError(
-                refusal("recording", f"the command {model.drive!r} that the model was fitted with",
-                        f"commands {', '.join(commands) or 'none'}", "Name the channel so.")
+                refusal("recording", f"a simulation channel of {model.measurement!r}", "none",
+                        "The model corrects a simulation's trace: add that channel.")
             )  # fmt: skip
-        drive = commands.pop(model.drive)
-    else:
-        drive = _trace(model, recording, simulated)
-        commands.pop(model.drive, None)
+        own = recording.values(channel.name)
+    if own is None:
+        raise ModelError(
+            refusal("recording", f"the command {model.drive!r} that the model was fitted with",
+                    f"commands {', '.join(commands) or 'none'}", "Name the channel so.")
+        )  # fmt: skip
     return Motion(
-        drive=np.ascontiguousarray(drive, dtype=float),
+        drive=np.ascontiguousarray(own, dtype=float),
         time_s=recording.values("time_s"),
         cycle=recording.values("cycle").astype(np.int64),
         others=commands,
         radian=model.radian,
     )
-
-
-def _trace(
-    model: CorrectedModel,
-    recording: Recording,
-    simulated: Callable[[Recording, str], np.ndarray] | None,
-) -> np.ndarray:
-    channel = recording.simulation_of(model.measurement)
-    if channel is not None:
-        return recording.values(channel.name)
-    if simulated is None:
-        raise ModelError(
-            refusal("recording", f"a simulation channel of {model.measurement!r}", "none",
-                    "The model corrects a simulation's trace: add that channel.")
-        )  # fmt: skip
-    return simulated(recording, model.measurement)

@@ -1,0 +1,108 @@
+"""The balance at the joint against what can be worked out by hand."""
+
+import numpy as np
+import pytest
+
+from pipeline.physics.backlash import Backlash
+from pipeline.physics.contact import Contact
+from pipeline.physics.creep import Creep
+from pipeline.physics.end_stop import EndStop
+from pipeline.physics.friction import Friction
+from pipeline.physics.gravity import Gravity
+from pipeline.physics.kinematics import CubicCurve, SampledCurve, sampled_curve
+from pipeline.physics.mechanism import Mechanism, Piece
+from pipeline.physics.motion import Motion
+from pipeline.physics.slack import Slack
+from tests.physics.test_terms import triangle
+
+
+def line(start: float, end: float, n: int, dwell_s: float = 1.0) -> Motion:
+    return Motion(np.linspace(start, end, n), dwell_s * np.arange(n), np.zeros(n, dtype=int))
+
+
+def answer(motion: Motion, *pieces: Piece) -> np.ndarray:
+    return Mechanism(pieces=pieces).respond(motion)[0]
+
+
+def test_backlash_is_the_play_operator():
+    motion = Motion(np.array([0.0, 3, 6, 4, 2, -6]), np.arange(6.0), np.zeros(6, dtype=int))
+    out = answer(motion, Piece(Backlash(), np.array([4.0])))
+    np.testing.assert_allclose(out, [0, 1, 4, 4, 4, -4])
+
+
+def test_friction_holds_back_by_its_width_once_it_slides():
+    motion = triangle(2)
+    out = answer(motion, Piece(Friction(), np.array([5.0, 2.0, 0.7])))
+    up = out[(np.diff(motion.drive, prepend=0) > 0) & (np.abs(motion.drive) < 1) & (motion.cycle > 0)]
+    down = out[(np.diff(motion.drive, prepend=0) < 0) & (np.abs(motion.drive) < 1)]
+    assert np.mean(down) - np.mean(up) == pytest.approx(5.0, abs=0.05)
+
+
+def test_stiff_friction_becomes_backlash():
+    motion = triangle(2)
+    stiff = answer(motion, Piece(Friction(), np.array([4.0, 0.01, 0.0])))
+    play = answer(motion, Piece(Backlash(), np.array([4.0])))
+    np.testing.assert_allclose(stiff, play, atol=0.02)
+
+
+def test_a_contact_lowers_the_slope_beyond_its_angle():
+    motion = line(0.0, 40.0, 401)
+    out = answer(motion, Piece(Contact("upper"), np.array([1.5, 20.0, 0.1])))
+    slope = np.diff(out) / np.diff(motion.drive)
+    assert slope[50] == pytest.approx(1.0, abs=1e-3)
+    assert slope[-1] == pytest.approx(1.0 / 2.5, abs=1e-3)
+
+
+def test_a_contact_that_unloads_a_wire_doubles_what_gives_way():
+    motion = line(0.0, 60.0, 601)
+    out = answer(motion, Piece(Contact("upper unloading"), np.array([1.0, 20.0, 0.1, 5.0])))
+    slope = np.diff(out) / np.diff(motion.drive)
+    assert slope[250] == pytest.approx(1.0 / 2.0, abs=1e-2)
+    assert slope[-1] == pytest.approx(1.0 / 3.0, abs=1e-3)
+
+
+def test_an_end_stop_holds():
+    out = answer(line(-60.0, 60.0, 601), Piece(EndStop("lower"), np.array([-30.0, 0.1])))
+    assert out.min() > -31.0
+    assert out[-1] == pytest.approx(60.0, abs=1e-3)
+
+
+def test_slack_stands_still_over_its_width():
+    motion = line(-40.0, 40.0, 801)
+    out = answer(motion, Piece(Slack(), np.array([8.0, 2.0, 0.02, 0.02])))
+    inside = np.abs(motion.drive - 2.0) < 3.5
+    assert np.ptp(out[inside]) < 0.5
+    assert np.ptp(out) == pytest.approx(72.0, rel=0.05)
+
+
+def test_creep_arrives_with_its_share_and_time_constant():
+    motion = Motion(np.r_[0.0, np.full(40, 10.0)], 2.0 * np.arange(41), np.zeros(41, dtype=int))
+    out = answer(motion, Piece(Creep(), np.array([0.3, 20.0])))
+    np.testing.assert_allclose(out[1:], 10.0 * (1 - 0.3 * np.exp(-motion.time_s[1:] / 20.0)), rtol=1e-4)
+
+
+def test_gravity_solves_its_own_equation():
+    motion = line(-50.0, 50.0, 101)
+    out = answer(motion, Piece(Gravity(), np.array([4.0, 0.4])))
+    load = 4.0 * (np.sin(np.radians(out) - 0.4) + np.sin(0.4))
+    np.testing.assert_allclose(out + load, motion.drive, atol=1e-5)
+
+
+def test_friction_and_stop_meet_in_one_equation():
+    pieces = (
+        Piece(Friction(), np.array([6.0, 2.0, 0.7])),
+        Piece(EndStop("upper"), np.array([30.0, 0.1])),
+    )
+    out = answer(triangle(2), *pieces)
+    top = out[60:100]
+    assert out.max() < 31.0
+    assert np.all(np.diff(top[np.argmax(top) + 8 :]) <= 1e-6)
+
+
+def test_a_sampled_curve_follows_its_samples_and_goes_on_straight():
+    drive = np.linspace(-50, 50, 1001)
+    curve = sampled_curve(drive, CubicCurve(0.7, 1e-5)(drive))
+    np.testing.assert_allclose(curve(drive), CubicCurve(0.7, 1e-5)(drive), atol=2e-4)
+    beyond = curve(np.array([50.0, 51.0, 52.0]))
+    assert np.diff(beyond)[0] == pytest.approx(np.diff(beyond)[1])
+    assert SampledCurve(0.0, 1.0, np.array([0.0, 2.0])).slope == 2.0

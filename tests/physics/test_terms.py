@@ -1,0 +1,117 @@
+"""Every term of the catalogue: bounds, effect, memory, words."""
+
+import numpy as np
+import pytest
+
+from pipeline.physics.catalogue import FORCE_TERMS, richer, term, terms
+from pipeline.physics.kinematics import CubicCurve
+from pipeline.physics.mechanism import Mechanism, Piece
+from pipeline.physics.motion import Motion
+from pipeline.physics.term import Surroundings, TermError, values_of
+
+OTHER = "yaw_command_deg"
+CURVE = CubicCurve(0.7, 1e-5)
+EVERY = [t for first in terms([OTHER]) for t in (first, *richer(first))]
+
+
+def triangle(cycles: int = 3, amplitude: float = 60.0, steps: int = 200) -> Motion:
+    phase = np.arange(cycles * steps) % steps / steps * 4.0
+    shape = np.where(phase < 1, phase, np.where(phase < 3, 2 - phase, phase - 4))
+    n = len(phase)
+    return Motion(
+        drive=amplitude * shape,
+        time_s=3.0 + 3.36 * np.arange(n),
+        cycle=np.arange(n) // steps,
+        others={OTHER: 30.0 * np.sin(np.arange(n) / 37.0)},
+    )
+
+
+def around(motion: Motion) -> Surroundings:
+    return Surroundings(
+        start_s=float(motion.time_s[0]),
+        end_s=float(motion.time_s[-1]),
+        dwell_s=3.36,
+        cycles=3,
+        travel=720.0,
+        other_span={OTHER: 60.0},
+    )
+
+
+def named(t: object) -> str:
+    return f"{t.name}-{t.form}"
+
+
+@pytest.mark.parametrize("physics", EVERY, ids=named)
+def test_every_parameter_starts_within_its_bounds_and_says_what_it_does(physics):
+    motion = triangle()
+    for p in physics.parameters(around(motion)):
+        assert p.low <= p.start <= p.high
+    values = values_of(physics, around(motion), {})
+    assert "{" not in physics.sentence(values, around(motion))
+    assert "Source" in type(physics).__doc__
+
+
+@pytest.mark.parametrize("physics", EVERY, ids=named)
+def test_every_candidate_is_within_bounds_and_some_changes_the_answer(physics):
+    motion = triangle()
+    plain = Mechanism(CURVE).respond(motion)[0]
+    low, high = np.array([[p.low, p.high] for p in physics.parameters(around(motion))]).T
+    effects = []
+    for values in physics.candidates(motion, around(motion)):
+        assert np.all(values >= low - 1e-9)
+        assert np.all(values <= high + 1e-9)
+        answer = Mechanism(CURVE, (Piece(physics, values),)).respond(motion)[0]
+        effects.append(float(np.std(answer - plain)))
+    assert max(effects) > 0.01
+
+
+@pytest.mark.parametrize("physics", EVERY, ids=named)
+def test_every_parameter_changes_the_answer(physics):
+    motion = triangle()
+    sets = physics.candidates(motion, around(motion))
+    if physics.name == "marker_outliers":
+        sets = np.array([[0.05, 5.0]])
+    for k, p in enumerate(physics.parameters(around(motion))):
+        if not p.weak:
+            assert max(change(physics, motion, v, k, p) for v in sets[:: len(sets) // 8 + 1]) > 1e-6
+
+
+def change(physics, motion, values, k, p) -> float:
+    """Largest change of the answer when parameter k moves by a fifth of its room."""
+    other = values.copy()
+    room = p.high - p.low
+    other[k] += 0.2 * room if values[k] < p.low + 0.5 * room else -0.2 * room
+    answers = [Mechanism(CURVE, (Piece(physics, v),)).respond(motion)[0] for v in (values, other)]
+    return float(np.max(np.abs(answers[0] - answers[1])))
+
+
+@pytest.mark.parametrize("physics", EVERY, ids=named)
+def test_blocks_answer_as_all_at_once(physics):
+    motion = triangle()
+    mechanism = Mechanism(CURVE, (Piece(physics, values_of(physics, around(motion), {})),))
+    whole = mechanism.respond(motion)[0]
+    parts, state = [], None
+    for part in (slice(0, 1), slice(1, 137), slice(137, 138), slice(138, None)):
+        angle, state = mechanism.respond(motion.rows(part), state)
+        parts.append(angle)
+    np.testing.assert_allclose(np.concatenate(parts), whole, atol=5e-6)
+
+
+def test_a_term_of_no_name_is_refused_with_those_that_exist():
+    with pytest.raises(TermError, match=r"one of lost_steps, .*drift; found unobtainium"):
+        term("unobtainium")
+
+
+def test_a_parameter_out_of_bounds_is_refused():
+    with pytest.raises(TermError, match=r"'width': expected a value from 0 to 108 deg; found 200"):
+        values_of(term("backlash"), Surroundings(), {"width": 200.0})
+    with pytest.raises(TermError, match=r"parameters width; found breadth"):
+        values_of(term("backlash"), Surroundings(), {"breadth": 2.0})
+
+
+def test_still_motion_excites_nothing_that_needs_motion():
+    still = Motion(np.zeros(50), np.arange(50.0), np.zeros(50, dtype=int), {OTHER: np.zeros(50)})
+    quiet = Surroundings(drive_span=0.0, step=0.0, travel=0.0, other_span={OTHER: 0.0})
+    excited = {t.name for t in terms([OTHER]) if t.excited(still, quiet)}
+    assert excited <= {"drift", "marker_outliers", "lost_steps"}
+    assert not excited & set(FORCE_TERMS)
