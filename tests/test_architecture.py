@@ -48,7 +48,10 @@ def test_imports_go_one_way():
     ("library", "rooms"),
     [
         ("rerun", {"pipeline/tracking/review.py"}),
-        ("matplotlib", {"pipeline/tracking/figures.py", "pipeline/tracking/diagnosis_figures.py"}),
+        (
+            "matplotlib",
+            {f"pipeline/tracking/{n}figures.py" for n in ("", "diagnosis_", "benchmark_")},
+        ),
         ("serial", {"pipeline/hardware/epos2_line.py"}),
         ("hydra", {"pipeline/app.py", "pipeline/config.py"}),
     ],

@@ -20,6 +20,8 @@ from pipeline.recording import load_recording, save_recording, write_atomically
 from pipeline.runners.diagnosis import answer, stored_models, write_answer
 from pipeline.runners.run_folder import Run, made, progress_bar
 from pipeline.stages.prediction import predict
+from pipeline.tracking.benchmark_figures import calibration_figure, confusion_figure
+from pipeline.tracking.figures import save_figure
 from pipeline.tracking.tables import plain, write_table
 
 WORKERS = 2
@@ -50,9 +52,12 @@ def run_concealed(run: Run) -> None:
 
 
 def write_score(scored: Score, folder: Path) -> None:
-    """Every table of the score as CSV, Markdown and LaTeX; the requirements on the terminal."""
-    for name in ("requirements", "further", "confusion", "calibration", "effects", "smallest"):
+    """Tables of the score as CSV, Markdown, LaTeX, two pictures; requirements on the terminal."""
+    for name in ("requirements", "further", "calibration", "effects", "smallest"):
         write_table(getattr(scored, name), folder, name)
+    write_table(scored.confusion.reset_index(names="hidden"), folder, "confusion")
+    save_figure(confusion_figure(scored.confusion), folder, "confusion")
+    save_figure(calibration_figure(scored.calibration, scored.smallest), folder, "calibration")
     for name in ("outcomes", "terms", "intervals"):
         table: pd.DataFrame = getattr(scored, name)
         write_atomically(folder / f"{name}.csv", table.to_csv(index=False))

@@ -1,0 +1,57 @@
+"""Every study in conf/experiment runs at a small size."""
+
+import json
+import sys
+from pathlib import Path
+
+import pandas as pd
+import pytest
+
+from pipeline import app
+from pipeline.recording import load_recording
+
+ROOT = Path(__file__).resolve().parents[1]
+SMALL_IMAGES = ["camera.width_px=504", "camera.height_px=378", "vision.workers=1"]
+
+
+def loopgap(monkeypatch: pytest.MonkeyPatch, *arguments: str) -> int:
+    monkeypatch.setattr(sys, "argv", ["loopgap", *arguments])
+    return app.run_command_line()
+
+
+def test_every_experiment_has_a_test():
+    names = {file.stem for file in (ROOT / "conf" / "experiment").glob("*.yaml")}
+    text = Path(__file__).read_text()
+    assert {name for name in names if f"experiment={name}" not in text} == set()
+
+
+def test_the_gap_is_closed_on_the_emulated_robot(tmp_path, monkeypatch):
+    arguments = ["experiment=close_the_gap", *SMALL_IMAGES, "compensation.targets=24",
+                 f"hydra.run.dir={tmp_path}"]  # fmt: skip
+    assert loopgap(monkeypatch, *arguments) == 0
+    rounds = sorted(tmp_path.glob("round-*"))
+    (first,) = json.loads((rounds[0] / "diagnosis.json").read_text())["measurements"]
+    (last,) = json.loads((rounds[-1] / "diagnosis.json").read_text())["measurements"]
+    assert first["verdict"] == "ambiguous"
+    assert first["next_experiment"]["commands"] == "next_commands.csv"
+    proposed = pd.read_csv(rounds[0] / "next_commands.csv")
+    recorded = load_recording(rounds[1] / "acquisition")
+    assert recorded.values("pitch_command_deg").tolist() == proposed["pitch_command_deg"].tolist()
+    assert last["verdict"] == "explained"
+    assert [physics["name"] for physics in last["physics"]] == ["creep"]
+    table = pd.read_csv(tmp_path / "evaluation" / "table.csv").set_index("judged by")
+    seen = table.loc["robot, seen by camera"]
+    assert seen["compensated RMSE [deg]"] < 0.6 * seen["nominal RMSE [deg]"]
+
+
+def test_concealed_effects_are_found_and_the_seals_hold(tmp_path, monkeypatch):
+    arguments = ["experiment=concealed", "concealed.counts={none:2,walk:0,one:4,two:0,three:0,outside:0,small:0}",
+                 f"hydra.run.dir={tmp_path}"]  # fmt: skip
+    assert loopgap(monkeypatch, *arguments) == 0
+    promised = json.loads((tmp_path / "cases" / "commitments.json").read_text())
+    assert len(promised) == 6
+    outcomes = pd.read_csv(tmp_path / "score" / "outcomes.csv")
+    assert len(outcomes) == 6
+    for name in ("requirements", "confusion", "calibration", "effects"):
+        assert (tmp_path / "score" / f"{name}.md").stat().st_size > 50
+    assert (tmp_path / "score" / "confusion.png").stat().st_size > 5000
