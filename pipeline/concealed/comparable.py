@@ -2,8 +2,9 @@
 
 Widths are full lost motions of the shaft's command, but friction's (and slack's `width_at_joint`)
 are of the joint's angle. A knee (contact, stop) is where the straight part of the obstacle's torque
-begins; it is left out where another effect moves the joint's zero or scale, and so is what has no
-single value (rounded slack, two time constants, friction that grows with the angle).
+begins; it is left out where another effect moves the joint's zero or scale, and what a torque does
+to the joint where another one softens its wires. So is what has no single value (rounded slack, two
+time constants, friction that grows with the angle).
 """
 
 from pipeline.concealed.draw import BENDS, Case, Hidden
@@ -11,7 +12,9 @@ from pipeline.concealed.motions import MOVE_S, RECORDED_CYCLES
 
 Quantity = dict[str, str | float]
 PLAIN_INTERVAL_S = MOVE_S + 3.0
-MOVES_THE_FRAME = BENDS | {"transmission_ripple"}
+MOVES_THE_FRAME = BENDS | {"transmission_ripple", "slack"}
+SOFTENS = frozenset({"compliance", "slack"})
+BY_TORQUE = frozenset({"friction", "creep", "response_lag", "coupling"})
 
 
 def comparable(case: Case, hidden: Hidden) -> list[Quantity]:
@@ -19,6 +22,8 @@ def comparable(case: Case, hidden: Hidden) -> list[Quantity]:
     size, name = hidden.size, hidden.effect.name
     number = {k: float(v) for k, v in hidden.effect.settings.items() if not isinstance(v, str)}
     gain = case.nominal.gain
+    if name in BY_TORQUE and {h.effect.name for h in case.hidden} & SOFTENS:
+        return []
     match name:
         case "backlash":
             return [_quantity("width", size, "deg")]

@@ -5,7 +5,9 @@ curve; a lag or a creep at one dwell). Others are found by fitting the plant wit
 to the effect: where even the best fit leaves less than `TOLD_APART`, twice the log-likelihood that
 separates them, the rival is a true one. Effects larger than `TOLD_OVER_NOISE` are always told
 apart then (twenty to forty draws of each pair), and a name that contains another as its limit
-(growing play and play) is no rival of it: the simpler one is right.
+(growing play and play) is no rival of it: the simpler one is right. A rival's settings stay within
+what the plant draws for it: with wider ones more would tie (slack that straightens over a degree
+matches any hardening stretch), but no such thing is ever hidden.
 """
 
 from collections.abc import Callable
@@ -82,45 +84,48 @@ def _forms(motion: Motion, top_deg: float) -> dict[str, list[Form]]:
                 {
                     "sheath_torque": (0.005 * WHOLE_TORQUE, 12.0 * WHOLE_TORQUE),
                     "presliding_low_deg": (0.3, 1.5),
-                    "presliding_high_deg": (2.0, 20.0),
+                    "presliding_high_deg": (1.8, 22.0),
                     "sheath_asymmetry": (-0.4, 0.4),
                 },
             )
         ],
-        "creep": [Form({}, {"dashpot_share": (0.001, 0.5), "dashpot_s": (4.0, 400.0)})],
-        "response_lag": [Form({}, {"viscosity_s": (0.05, 15.0)})],
-        "frame_lag": [Form({}, {"stale_s": (0.05, 15.0)})],
+        "creep": [Form({}, {"dashpot_share": (0.001, 0.5), "dashpot_s": (8.0, 120.0)})],
+        "response_lag": [Form({}, {"viscosity_s": (0.05, 12.0)})],
+        "frame_lag": [Form({}, {"stale_s": (0.05, 12.0)})],
         "contact": [
             Form(
                 {"pad_side": side},
-                {"pad_stiffness": (0.2, 4.0 * WHOLE_TORQUE), "pad_deg": (0.15 * top_deg, top_deg)},
+                {
+                    "pad_stiffness": (0.2, 2.5 * WHOLE_TORQUE),
+                    "pad_deg": (0.2 * top_deg, 0.7 * top_deg),
+                },
             )
             for side in (-1.0, 1.0)
         ],
         "end_stop": [
-            *(Form(stiff, {f"stop_{s}_deg": (0.5 * top_deg, top_deg)}) for s in ("high", "low")),
-            Form(stiff, {f"stop_{s}_deg": (0.5 * top_deg, top_deg) for s in ("high", "low")}),
+            *(Form(stiff, {f"stop_{s}_deg": (0.4 * top_deg, top_deg)}) for s in ("high", "low")),
+            Form(stiff, {f"stop_{s}_deg": (0.4 * top_deg, top_deg) for s in ("high", "low")}),
         ],
         "slack": [Form({}, {"pretension_deg": (-10.0, 0.0), "straightening_deg": (0.05, 0.3)})],
         "compliance": [
             Form(
                 {"pretension_deg": 0.0},
-                {"wire_softness": (0.2, 6.0), "toe_share": (0.1, 0.4), "toe_deg": (4.0, 14.0)},
+                {"wire_softness": (0.2, 5.0), "toe_share": (0.1, 0.4), "toe_deg": (4.0, 14.0)},
             )
         ],
-        "gravity": [Form({}, {"weight": (2.0, 900.0), "mounting_rad": (-3.1, 3.2)})],
+        "gravity": [Form({}, {"weight": (2.0, 900.0), "mounting_rad": (0.9, 2.2)})],
         "lens_distortion": [
             Form({}, {"barrel": (-0.6, 0.6), "centre_x_mm": (2.0, 6.0), "centre_y_mm": (-3.0, 3.0)})
         ],
         "camera_tilt": [
             Form({"perspective": 1.0}, {"tilt_deg": (2.0, 55.0), "tilt_axis_deg": (0.0, 180.0)})
         ],
-        "lost_steps": [Form({}, {"slip_deg": (-20.0, 20.0), "slip_sample": (100.0, 1700.0)})],
+        "lost_steps": [Form({}, {"slip_deg": (-20.0, 20.0), "slip_sample": (230.0, 1580.0)})],
         "drift": [
             Form({"wander_kind": "linear"}, {"wander_deg": (-20.0, 20.0)}),
             Form(
                 {"wander_kind": "settling"},
-                {"wander_deg": (-20.0, 20.0), "settle_s": (0.1 * span, 2.0 * span)},
+                {"wander_deg": (-20.0, 20.0), "settle_s": (0.3 * span, 0.8 * span)},
             ),
         ],
     }

@@ -76,6 +76,13 @@ def test_a_steady_drift_has_a_rate_and_wear_a_growth():
     assert quantities(worn) == {("growth", "deg/deg"): pytest.approx(0.002)}
 
 
+def test_time_constants_beside_softer_wires_are_left_out():
+    creeping = case_of("creep", {"dashpot_share": 1.0, "dashpot_s": 20.0}, ("dashpot_share",), 0.1)
+    assert quantities(creeping) == {("time_constant", "s"): pytest.approx(20.0 * 1.07)}
+    soft = Hidden(Effect("compliance", {}, (), 5.0), 2.0, 2.0, 2.0)
+    assert quantities(replace(creeping, hidden=(creeping.hidden[0], soft))) == {}
+
+
 @pytest.mark.parametrize(
     ("name", "settings"),
     [

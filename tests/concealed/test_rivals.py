@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from pipeline.concealed.draw import BENDS, Case, Hidden, draw_case
-from pipeline.concealed.effects import Effect
+from pipeline.concealed.effects import Effect, Settings
 from pipeline.concealed.noise import Noise
 from pipeline.concealed.rivals import TOLD_APART, rivals_of, separation
 
@@ -42,6 +42,17 @@ def test_what_bends_one_static_curve_is_never_told_apart():
     effect = Effect("gravity", {"weight": 1.0, "mounting_rad": 1.5}, ("weight",), 900.0)
     for excitation in ("plain", "rich"):
         assert set(rivals_of(*case_of(excitation, effect, 600.0, 6.0))) == BENDS - {"gravity"}
+
+
+def test_a_hardening_stretch_and_a_sharp_slack_are_told_apart_where_they_stand_out():
+    soft: Settings = {
+        "pretension_deg": 0.0, "wire_softness": 1.0, "toe_share": 0.2, "toe_deg": 8.0,
+    }  # fmt: skip
+    stretch = Effect("compliance", soft, ("wire_softness",), 5.0)
+    assert separation(*case_of("rich", stretch, 2.0, 2.0), "slack") > TOLD_APART
+    sharp: Settings = {"pretension_deg": -1.0, "straightening_deg": 0.0}
+    slack = Effect("slack", sharp, ("pretension_deg",), 15.0)
+    assert separation(*case_of("rich", slack, 2.0, 2.0), "compliance") > TOLD_APART
 
 
 def test_separation_grows_with_the_effect_and_falls_with_the_noise():
