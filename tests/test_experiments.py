@@ -45,8 +45,8 @@ def test_the_gap_is_closed_on_the_emulated_robot(tmp_path, monkeypatch):
 
 
 def test_concealed_effects_are_found_and_the_seals_hold(tmp_path, monkeypatch):
-    arguments = ["experiment=concealed", "concealed.counts={none:2,walk:0,one:4,two:0,three:0,outside:0,small:0}",
-                 f"hydra.run.dir={tmp_path}"]  # fmt: skip
+    counts = "{none:2,walk:0,one:4,two:0,three:0,outside:0,small:0}"
+    arguments = ["experiment=concealed", f"concealed.counts={counts}", f"hydra.run.dir={tmp_path}"]
     assert loopgap(monkeypatch, *arguments) == 0
     promised = json.loads((tmp_path / "cases" / "commitments.json").read_text())
     assert len(promised) == 6

@@ -20,6 +20,7 @@ from pipeline.stages.diagnosis import diagnose
 from pipeline.stages.prediction import predict
 from pipeline.stages.simulation import simulate
 from pipeline.tracking.report import write_report
+from pipeline.tracking.tables import plain, write_table
 
 MODEL_FILE = "model.json"
 
@@ -48,8 +49,9 @@ def run_diagnosis(run: Run) -> None:
     for evidence in answered.evidence:
         file = made(run.folder / "diagnosis") / f"{evidence.measurement}.csv"
         write_atomically(file, _table(evidence).to_csv(index=False))
-    for diagnosis in answered.diagnoses:
-        print(f"  {summary(diagnosis)}")
+    table = overview(answered.diagnoses)
+    write_table(table, run.folder / "diagnosis", "table")
+    print(f"\nWhat the simulation left out:\n{plain(table)}")
     print(f"  report, opens in any browser: {run.folder / 'report.html'}")
 
 
@@ -92,11 +94,33 @@ def write_pages(answered: Answered, folder: Path) -> None:
     write_report(folder, answered.diagnoses, answered.evidence, commands)
 
 
-def summary(diagnosis: Diagnosis) -> str:
-    """A diagnosis in a line."""
-    names = " + ".join(
+def overview(diagnoses: Sequence[Diagnosis]) -> pd.DataFrame:
+    """A row for each measurement: verdict, what was left out, error before and after, noise."""
+    rows = [
+        {
+            "measurement": d.measurement,
+            "verdict": d.verdict.replace("_", " "),
+            "left out": left_out(d) or "nothing",
+            "held-out RMSE before": d.before.heldout_rmse,
+            "after": d.after.heldout_rmse,
+            "noise": d.noise,
+            "unit": d.unit,
+        }
+        for d in diagnoses
+    ]
+    return pd.DataFrame(rows)
+
+
+def left_out(diagnosis: Diagnosis) -> str:
+    """The named physics with what each may also be."""
+    return " + ".join(
         " or ".join((physics.name, *physics.alternatives)) for physics in diagnosis.physics
     )
+
+
+def summary(diagnosis: Diagnosis) -> str:
+    """A diagnosis in a line."""
+    names = left_out(diagnosis)
     return (
         f"{diagnosis.measurement}: {diagnosis.verdict}{f', {names}' if names else ''}; held-out "
         f"RMSE {diagnosis.before.heldout_rmse:.3g} -> {diagnosis.after.heldout_rmse:.3g} "

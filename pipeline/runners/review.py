@@ -77,8 +77,8 @@ def _stored_landings(run: Run) -> dict[str, dict[str, pd.DataFrame]]:
 
 def _summary(run: Run) -> str:
     parts = ["# loopgap"]
-    for name in ("table", "closed_loop"):
-        file = run.folder / "evaluation" / f"{name}.md"
+    for name in ("evaluation/table", "evaluation/closed_loop", "diagnosis/table"):
+        file = run.folder / f"{name}.md"
         if file.is_file():
             parts.append(file.read_text())
     return "\n\n".join(parts)
