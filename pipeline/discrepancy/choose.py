@@ -187,18 +187,15 @@ def grown(search: Search, choice: Choice) -> Choice:
 def _reformed(fit: Fit, place: int, term: Term) -> Fit:
     """The fit with another form of a term, begun from the values that both have."""
     old = fit.pieces[place]
-    parameters = parameters_of(fit.ground, term)
-    begun = [p.start for p in parameters]
-    if tuple(p.name for p in parameters[: len(old.values)]) == tuple(
-        p.name for p in parameters_of(fit.ground, old.term)
-    ) and [p.unit for p in parameters[: len(old.values)]] == [
-        p.unit for p in parameters_of(fit.ground, old.term)
-    ]:
-        begun[: len(old.values)] = list(old.values)
+    shared = [p.name for p in parameters_of(fit.ground, old.term)]
+    names = [p.name for p in parameters_of(fit.ground, term)]
+    starts = term.candidates(fit.ground.problem.motion, fit.ground.problem.around)
+    k = len(shared)
+    if names[:k] == shared and len(names) > k:
+        extra = np.unique(starts[:, k:], axis=0)
+        starts = np.column_stack([np.tile(old.values, (len(extra), 1)), extra])
     rest = (*fit.pieces[:place], *fit.pieces[place + 1 :])
-    trials = [evaluate(fit.ground, (*rest, Piece(term, np.array(begun))))]
-    for values in term.candidates(fit.ground.problem.motion, fit.ground.problem.around):
-        trials.append(evaluate(fit.ground, (*rest, Piece(term, values))))
+    trials = [evaluate(fit.ground, (*rest, Piece(term, values))) for values in starts]
     trials.sort(key=lambda t: t.cost)
     return min((improve(t, 8) for t in trials[:2]), key=lambda t: t.cost)
 

@@ -17,6 +17,7 @@ from pipeline.recording import reversals_of
 
 MOST_UNSETTLED = 0.1
 ROUNDS = 2
+INCREDIBLE, MOST_INCREDIBLE = 4.3, 0.03
 
 
 @dataclass(frozen=True)
@@ -48,13 +49,23 @@ def explain(problem: Problem) -> Explanation:
         search = Search(candidates, effects, noise_family(prior, problem.cycle, used))
         ground = ground_of(problem, prior.model, used)
         choices = choose_again(search, ground, choices) if choices else choose(search, ground)
-        residual = problem.measured - choices[0].fit.predicted
-        found = isolated(residual, problem.train, prior.finest)
+        found = mistaken_rows(problem, choices[0], prior.finest)
         same = np.array_equal(found & problem.train, outliers & problem.train)
         outliers = found
         if same:
             break
     return Explanation(problem, prior, search, choices, outliers, used)
+
+
+def mistaken_rows(problem: Problem, choice: Choice, finest: float) -> np.ndarray:
+    """Outliers of a choice's residual: isolated rows, and few that its noise finds incredible."""
+    fit = choice.fit
+    out = isolated(problem.measured - fit.predicted, problem.train, finest)
+    incredible = np.flatnonzero(fit.ground.used)[np.abs(fit.innovations) > INCREDIBLE]
+    if len(incredible) < MOST_INCREDIBLE * fit.ground.count:
+        alone = np.diff(incredible, prepend=-9) > 1
+        out[incredible[alone]] = True
+    return out
 
 
 def excited_terms(problem: Problem) -> tuple[Term, ...]:

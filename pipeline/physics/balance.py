@@ -143,8 +143,8 @@ def balance(  # type: ignore[no-untyped-def]
                     gone = -np.expm1(-pace * dwell[t] / arm[j, 1]) / pace
                     pull += arm[j, 0] * (theta - far[j]) * gone
                     far[j] += (theta - far[j]) * gone
-            low, high = -1e300, 1e300
-            for _ in range(SWEEPS):
+            low, high, under, over = -1e300, 1e300, -1.0, 1.0
+            for sweep in range(SWEEPS):
                 load, steep = at * stiff - pull, stiff
                 if bent:
                     load += cubic * at * at * at
@@ -182,12 +182,13 @@ def balance(  # type: ignore[no-untyped-def]
                 if abs(move) < PRECISE:
                     break
                 if rest > 0.0:
-                    high = min(high, at)
+                    high, over = at, rest
                 else:
-                    low = max(low, at)
+                    low, under = at, rest
                 at -= move
                 if at <= low or at >= high:
-                    at = 0.5 * (low + high)
+                    share = 0.5 if sweep % 2 else under / (under - over)
+                    at = low + share * (high - low)
             theta = at
             for i in range(sliding):
                 force[i] = trial[i]

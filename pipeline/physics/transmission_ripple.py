@@ -55,7 +55,8 @@ class TransmissionRipple(Term):
         phases = np.arange(4) * np.pi / 4.0
         rows = [[amplitude, 1.0 / f, p] for f in waves for p in phases]
         if self.form == "second":
-            rows = [[*r, 0.3 * amplitude, 0.0] for r in rows]
+            second = [[0.3 * amplitude, p] for p in np.arange(4) * np.pi / 2.0]
+            rows = [[*r, *s] for r in rows for s in second]
         return np.array(rows).reshape(len(rows), -1)
 
     def scaled(self, values: np.ndarray, factor: float) -> np.ndarray:
