@@ -19,6 +19,7 @@ MOST_TERMS = 4
 TERM_COST = 8.0
 LEAST_GAIN = 6.0
 AT_BOUND = 1.0
+VOID = 40.0
 SECOND_SIDE = 1.0
 WORTH = 150.0
 EARLIER = 6
@@ -76,11 +77,12 @@ def complexity(fit: Fit) -> float:
     """The charge for a fit's terms and for those of their parameters that are not at a bound."""
     charge = 0.0
     for i, piece in enumerate(fit.pieces):
+        charge += VOID if piece.term.void(piece.values) else 0.0
         again = piece.term.name in fit.names[:i]
         charge += (SECOND_SIDE if again else TERM_COST) + UNLIKELY.get(piece.term.name, 0.0)
         for p, value in zip(parameters_of(fit.ground, piece.term), piece.values, strict=True):
-            inside = p.low < value < p.high and not p.weak
-            charge += np.log(independent(fit.ground)) if inside else AT_BOUND
+            nothing = p.weak or (value <= p.low and p.typical > 0.0)
+            charge += AT_BOUND if nothing else np.log(independent(fit.ground))
     return charge
 
 

@@ -42,7 +42,8 @@ def explain(problem: Problem) -> Explanation:
     candidates = excited_terms(problem)
     effects = effects_of(problem, candidates)
     settled = settled_rows(problem)
-    outliers = isolated(problem.measured - problem.simulated, problem.train, prior.finest)
+    off = np.where(problem.train, problem.measured - problem.simulated, np.nan)
+    outliers = isolated(off, problem.train, prior.finest)
     choices: list[Choice] = []
     for _ in range(ROUNDS):
         used = problem.train & settled & ~outliers
@@ -50,7 +51,7 @@ def explain(problem: Problem) -> Explanation:
         ground = ground_of(problem, prior.model, used)
         choices = choose_again(search, ground, choices) if choices else choose(search, ground)
         found = mistaken_rows(problem, choices[0], prior.finest)
-        same = np.array_equal(found & problem.train, outliers & problem.train)
+        same = np.array_equal(found, outliers)
         outliers = found
         if same:
             break
@@ -60,7 +61,8 @@ def explain(problem: Problem) -> Explanation:
 def mistaken_rows(problem: Problem, choice: Choice, finest: float) -> np.ndarray:
     """Outliers of a choice's residual: isolated rows, and few that its noise finds incredible."""
     fit = choice.fit
-    out = isolated(problem.measured - fit.predicted, problem.train, finest)
+    off = np.where(problem.train, problem.measured - fit.predicted, np.nan)
+    out = isolated(off, problem.train, finest)
     incredible = np.flatnonzero(fit.ground.used)[np.abs(fit.innovations) > INCREDIBLE]
     if len(incredible) < MOST_INCREDIBLE * fit.ground.count:
         alone = np.diff(incredible, prepend=-9) > 1

@@ -13,6 +13,7 @@ SAME_COMMAND = 1e-3
 APART = 60
 FREE_LEVEL = 1e3
 FINEST = 1e-6
+FEWEST_STEPS = 12
 SURE, UNSURE = 0.08, 0.3
 
 
@@ -110,33 +111,27 @@ def _without_memory(
 
 
 def contrasts(residual: np.ndarray, rows: np.ndarray) -> list[np.ndarray]:
-    """Series (steps,) of unit variance's contrasts over repeats; NaN where a repeat has nothing."""
+    """Contrasts over repeats, unit sums of independent samples, as series (steps,).
+
+    Steps at which the same repeats are measured go together, NaN elsewhere, each with its own mean
+    taken off: another set of repeats has another level.
+    """
     values = np.where(rows >= 0, residual[rows], np.nan)
-    repeats = len(values)
-    degree = 1 if repeats >= 3 else 0
     number = np.max(rows, axis=1).astype(float)
     number = (number - number.mean()) / max(float(np.ptp(number)), 1e-9)
-    base = np.vander(number, degree + 1)
-    full = np.linalg.svd(base)[0][:, degree + 1 :]
-    out = [full[:, j] @ values for j in range(full.shape[1])]
-    missing = ~np.isfinite(values)
-    if missing.any() and repeats > degree + 2:
-        out = _around_missing(values, base, out)
-    return [s - np.nanmean(s) for s in out if np.isfinite(s).sum() > 10]
-
-
-def _around_missing(
-    values: np.ndarray, base: np.ndarray, out: list[np.ndarray]
-) -> list[np.ndarray]:
-    """Where repeats are missing, as many contrasts of the others as there are."""
-    for step in np.flatnonzero(~np.isfinite(values).all(axis=0)):
-        have = np.isfinite(values[:, step])
-        for series in out:
-            series[step] = np.nan
-        if have.sum() > base.shape[1]:
-            free = np.linalg.svd(base[have])[0][:, base.shape[1] :]
-            for j in range(free.shape[1]):
-                out[j][step] = free[:, j] @ values[have, step]
+    have = np.isfinite(values)
+    out = []
+    for pattern in np.unique(have, axis=1).T:
+        steps = np.all(have == pattern[:, None], axis=0)
+        degree = 1 if pattern.sum() >= 3 else 0
+        if pattern.sum() <= degree + 1 or steps.sum() < FEWEST_STEPS:
+            continue
+        base = np.vander(number[pattern], degree + 1)
+        free = np.linalg.svd(base)[0][:, degree + 1 :]
+        for j in range(free.shape[1]):
+            series = np.full(values.shape[1], np.nan)
+            series[steps] = free[:, j] @ values[np.ix_(pattern, steps)]
+            out.append(series - np.nanmean(series))
     return out
 
 

@@ -40,6 +40,10 @@ class Compliance(Term):
             Parameter("stiffness", "", 0.01, 2.0, 0.2, 0.05, weak=True),
         )
 
+    def void(self, values: np.ndarray) -> bool:
+        stretch = values[1] if self.form == "joint" else values[2]
+        return bool(values[0] == 0.0 and stretch == 0.0)
+
     def load(self, values: np.ndarray, motion: Motion) -> Load:
         if self.form == "joint":
             return Load(smooth=(float(values[1]), float(values[0]), 0.0, 0.0))

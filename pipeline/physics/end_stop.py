@@ -39,6 +39,9 @@ class EndStop(Term):
     def load(self, values: np.ndarray, motion: Motion) -> Load:
         return Load(contact=np.array([[self.side, values[0], HARD, values[1]]]))
 
+    def void(self, values: np.ndarray) -> bool:
+        return False
+
     def scaled(self, values: np.ndarray, factor: float) -> np.ndarray:
         return values.copy()
 

@@ -100,6 +100,10 @@ class Term:
         out[0] *= factor
         return out
 
+    def void(self, values: np.ndarray) -> bool:
+        """Whether these parameters amount to no such thing; the first one is the size unless said."""
+        return bool(values[0] == 0.0)
+
     def excited(self, motion: Motion, around: Surroundings) -> bool:
         """Whether this motion could show the term at all."""
         return around.drive_span > 0.0

@@ -33,7 +33,9 @@ def test_backlash_is_the_play_operator():
 def test_friction_holds_back_by_its_width_once_it_slides():
     motion = triangle(2)
     out = answer(motion, Piece(Friction(), np.array([5.0, 2.0, 0.7])))
-    up = out[(np.diff(motion.drive, prepend=0) > 0) & (np.abs(motion.drive) < 1) & (motion.cycle > 0)]
+    up = out[
+        (np.diff(motion.drive, prepend=0) > 0) & (np.abs(motion.drive) < 1) & (motion.cycle > 0)
+    ]
     down = out[(np.diff(motion.drive, prepend=0) < 0) & (np.abs(motion.drive) < 1)]
     assert np.mean(down) - np.mean(up) == pytest.approx(5.0, abs=0.05)
 
@@ -78,7 +80,9 @@ def test_slack_stands_still_over_its_width():
 def test_creep_arrives_with_its_share_and_time_constant():
     motion = Motion(np.r_[0.0, np.full(40, 10.0)], 2.0 * np.arange(41), np.zeros(41, dtype=int))
     out = answer(motion, Piece(Creep(), np.array([0.3, 20.0])))
-    np.testing.assert_allclose(out[1:], 10.0 * (1 - 0.3 * np.exp(-motion.time_s[1:] / 20.0)), rtol=1e-4)
+    np.testing.assert_allclose(
+        out[1:], 10.0 * (1 - 0.3 * np.exp(-motion.time_s[1:] / 20.0)), rtol=1e-4
+    )
 
 
 def test_gravity_solves_its_own_equation():

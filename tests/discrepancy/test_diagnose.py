@@ -1,0 +1,210 @@
+"""A diagnosis of recordings whose hidden physics is known."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from pipeline.config import DiagnosisConfig
+from pipeline.discrepancy.problem import DiagnosisError, held_out_rows
+from pipeline.discrepancy.result import VERDICTS, as_json
+from pipeline.recording import Recording
+from pipeline.stages.diagnosis import diagnose
+from tests.discrepancy.made import NOISE, recorded
+
+ANGLE = "pitch_angle_deg"
+SIMULATED = "pitch_angle_sim_deg"
+
+
+def diagnosed(recording: Recording):
+    return diagnose(DiagnosisConfig(), recording)
+
+
+def names(result) -> set[str]:
+    return {p.name for p in result.diagnoses[0].physics}
+
+
+def value_of(result, name: str, parameter: str):
+    physics = next(p for p in result.diagnoses[0].physics if p.name == name)
+    return next(e for e in physics.parameters if e.name == parameter)
+
+
+def changed(recording: Recording, **columns) -> Recording:
+    return replace(recording, samples=recording.samples.assign(**columns))
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_nothing_hidden_is_no_mismatch(seed):
+    result = diagnosed(recorded({}, seed=seed))
+    assert result.diagnoses[0].verdict == "no_mismatch"
+    assert result.diagnoses[0].calibration.gain == pytest.approx(1.02, abs=0.005)
+    assert result.diagnoses[0].noise == pytest.approx(NOISE, rel=0.1)
+
+
+@pytest.mark.parametrize(
+    ("hidden", "parameter", "truth"),
+    [
+        ({"backlash": {"width": 4.0}}, "width", 4.0),
+        ({"lost_steps": {"jump": 2.0, "time": 1300.0}}, "jump", 2.0),
+        ({"transmission_ripple": {"amplitude": 1.2, "period": 14.0, "phase": 1.0}}, "period", 14.0),
+        ({"slack": {"width": 6.0, "stiffness": 0.02, "rounding": 0.2}}, "width", 6.0),
+        ({"creep": {"share": 0.2, "time_constant": 40.0}}, "time_constant", 40.0),
+        ({"drift/linear": {"rate": 3.0}}, "rate", 3.0),
+        ({"contact/upper": {"stiffness": 0.8, "angle": 18.0, "skin": 0.3}}, "angle", 18.0),
+    ],
+    ids=lambda x: next(iter(x)) if isinstance(x, dict) else "",
+)
+def test_one_hidden_term_is_named_with_its_parameter(hidden, parameter, truth):
+    result = diagnosed(recorded(hidden, seed=5))
+    name = next(iter(hidden)).partition("/")[0]
+    assert names(result) == {name}
+    estimate = value_of(result, name, parameter)
+    assert estimate.low <= estimate.value <= estimate.high
+    assert estimate.value == pytest.approx(truth, rel=0.08)
+    diagnosis = result.diagnoses[0]
+    assert diagnosis.after.heldout_rmse < 1.1 * NOISE
+    assert diagnosis.physics[0].heldout_rmse_without > 1.3 * diagnosis.after.heldout_rmse
+
+
+def test_two_hidden_terms_are_both_named():
+    hidden = {"backlash": {"width": 3.0}, "contact/lower": {"stiffness": 1.0, "angle": -16.0}}
+    assert names(diagnosed(recorded(hidden, seed=2))) == {"backlash", "contact"}
+
+
+def test_friction_and_creep_of_one_dwell_list_each_other():
+    result = diagnosed(recorded({"friction": {"width": 3.0, "reach": 3.0}}, seed=4))
+    physics = result.diagnoses[0].physics
+    assert {physics[0].name, *physics[0].alternatives} >= {"friction", "creep"}
+
+
+def test_what_bends_the_curve_lists_all_that_could():
+    hidden = {"lens_distortion": {"distortion": 6e-5, "centre": 12.0}}
+    diagnosis = diagnosed(recorded(hidden, seed=3)).diagnoses[0]
+    bends = {"lens_distortion", "camera_tilt", "gravity", "compliance"}
+    assert {diagnosis.physics[0].name, *diagnosis.physics[0].alternatives} == bends
+
+
+def test_a_coupling_needs_the_other_axis_to_move():
+    hidden = {"coupling": {"gain": 0.08}}
+    moved = diagnosed(recorded(hidden, seed=1, two_axes=True))
+    assert names(moved) == {"coupling"}
+    assert value_of(moved, "coupling", "gain").value == pytest.approx(0.08 * 1.02, rel=0.05)
+    still = diagnosed(recorded(hidden, seed=1))
+    assert "coupling" in still.diagnoses[0].not_excited
+    assert still.diagnoses[0].verdict == "no_mismatch"
+
+
+def test_mistaken_frames_are_named_and_do_not_spoil_the_fit():
+    recording = recorded({"backlash": {"width": 4.0}}, seed=7)
+    angle = recording.values(ANGLE).copy()
+    angle[::37] += 9.0
+    result = diagnosed(changed(recording, **{ANGLE: angle}))
+    assert names(result) == {"backlash", "marker_outliers"}
+    assert value_of(result, "marker_outliers", "size").value == pytest.approx(9.0, abs=0.4)
+    assert result.diagnoses[0].after.heldout_rmse < 1.15 * NOISE
+
+
+def test_structure_outside_the_catalogue_is_said_so():
+    recording = recorded({}, seed=6)
+    odd = np.where(recording.values("cycle") % 2 == 1, 1.0, -1.0)
+    wobble = odd * 1.5 * np.sin(recording.values("pitch_command_deg") / 4.0)
+    result = diagnosed(changed(recording, **{ANGLE: recording.values(ANGLE) + wobble}))
+    assert result.diagnoses[0].verdict in ("unknown_physics", "partly_explained")
+    assert len(result.diagnoses[0].physics) <= 1
+    assert result.diagnoses[0].unexplained.where
+
+
+def test_held_out_cycles_touch_neither_fit_nor_choice():
+    recording = recorded({"backlash": {"width": 4.0}}, seed=8)
+    spoilt = recording.values(ANGLE).copy()
+    spoilt[np.isin(recording.values("cycle"), [2, 5])] += 7.0
+    plain, other = diagnosed(recording), diagnosed(changed(recording, **{ANGLE: spoilt}))
+    assert value_of(plain, "backlash", "width") == value_of(other, "backlash", "width")
+    assert other.diagnoses[0].after.heldout_rmse > 6.0
+
+
+def test_held_out_are_every_third_cycle_or_the_last_third():
+    nine = np.repeat(np.arange(9), 4)
+    known = np.ones(36, dtype=bool)
+    assert set(nine[held_out_rows(nine, known)]) == {2, 5, 8}
+    one = np.zeros(30, dtype=int)
+    assert np.flatnonzero(held_out_rows(one, np.ones(30, dtype=bool))).tolist() == list(
+        range(20, 30)
+    )
+
+
+def test_a_wrong_factor_is_no_calibration():
+    recording = recorded({}, seed=1)
+    tenfold = changed(recording, **{SIMULATED: 10.0 * recording.values(SIMULATED)})
+    diagnosis = diagnosed(tenfold).diagnoses[0]
+    assert diagnosis.verdict in ("unknown_physics", "partly_explained")
+    assert "gain" in diagnosis.unexplained.where
+
+
+def test_a_perfect_simulation_is_no_mismatch():
+    recording = recorded({}, noise=0.0)
+    exact = changed(recording, **{ANGLE: recording.values(SIMULATED)})
+    diagnosis = diagnosed(exact).diagnoses[0]
+    assert diagnosis.verdict == "no_mismatch"
+    assert diagnosis.after.heldout_rmse < 1e-3
+
+
+def test_a_constant_command_names_nothing_that_moves():
+    recording = recorded({}, seed=2)
+    still = changed(
+        recording,
+        pitch_command_deg=0.0,
+        **{SIMULATED: 0.0, ANGLE: recording.values(ANGLE) - recording.values(SIMULATED)},
+    )
+    diagnosis = diagnosed(still).diagnoses[0]
+    assert "backlash" in diagnosis.not_excited
+
+
+@pytest.mark.parametrize("rows", [slice(0, 120), slice(0, 240), slice(0, 90)])
+def test_few_cycles_give_an_answer(rows):
+    recording = recorded({"backlash": {"width": 6.0}}, seed=3)
+    short = replace(recording, samples=recording.samples.iloc[rows].reset_index(drop=True))
+    diagnosis = diagnosed(short).diagnoses[0]
+    assert diagnosis.verdict in VERDICTS
+    assert diagnosis.after.heldout_rmse < diagnosis.before.heldout_rmse
+
+
+def test_bursts_of_missing_frames_are_counted():
+    recording = recorded({"backlash": {"width": 4.0}}, seed=9)
+    angle = recording.values(ANGLE).copy()
+    for begin in range(20, 700, 90):
+        angle[begin : begin + 35] = np.nan
+    result = diagnosed(changed(recording, **{ANGLE: angle}))
+    assert "backlash" in names(result)
+    assert any("were not measured" in note for note in result.diagnoses[0].notes)
+
+
+def test_two_samples_are_refused():
+    recording = recorded({})
+    short = replace(recording, samples=recording.samples.iloc[:2])
+    with pytest.raises(Exception, match=r"at least 40 samples for a diagnosis; found 2"):
+        diagnosed(short)
+
+
+def test_a_measurement_without_simulation_is_refused():
+    recording = recorded({})
+    bare = replace(recording, channels=recording.channels[:3])
+    with pytest.raises(DiagnosisError, match=r"a simulation channel of it; found none"):
+        diagnosed(bare)
+
+
+def test_several_measurements_give_one_entry_each_in_plain_json():
+    one = recorded({"backlash": {"width": 4.0}}, seed=1)
+    twin = replace(one.channels[2], name="other_deg")
+    sim = replace(one.channels[3], name="other_sim_deg", of="other_deg")
+    two = one.with_channel(twin, 2.0 * one.values(ANGLE)).with_channel(
+        sim, 2.0 * one.values(SIMULATED)
+    )
+    text = json.dumps(as_json(diagnosed(two).diagnoses), allow_nan=False)
+    entries = json.loads(text)["measurements"]
+    assert [e["measurement"] for e in entries] == [ANGLE, "other_deg"]
+    assert set(entries[0]) == {
+        "measurement", "unit", "verdict", "noise", "before", "after", "location", "physics",
+        "calibration", "unexplained", "not_excited", "next_experiment",
+    }  # fmt: skip

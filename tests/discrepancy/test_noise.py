@@ -1,0 +1,66 @@
+"""Noise: exact whitening, and what is learnt from repeats."""
+
+import numpy as np
+import pytest
+from scipy.stats import multivariate_normal
+
+from pipeline.config import DiagnosisConfig
+from pipeline.discrepancy.noise import NoiseModel
+from pipeline.discrepancy.noise_learning import fit_noise, learn_noise
+from pipeline.discrepancy.problem import pose_problem
+from tests.discrepancy.made import recorded
+
+
+def covariance(model: NoiseModel, cycle: np.ndarray) -> np.ndarray:
+    i = np.arange(len(cycle))
+    return (
+        model.white**2 * np.eye(len(i))
+        + model.correlated**2 * model.correlation ** np.abs(i[:, None] - i)
+        + model.jitter**2 * (cycle[:, None] == cycle)
+        + model.walk**2 * np.minimum(i[:, None], i)
+    )
+
+
+def test_likelihood_is_that_of_the_full_covariance_with_rows_missing():
+    rng = np.random.default_rng(0)
+    cycle = np.arange(60) // 20
+    used = rng.random(60) > 0.2
+    model = NoiseModel(0.2, 0.3, 0.7, 0.4, 0.1)
+    y = rng.normal(size=60)
+    full = covariance(model, cycle)[np.ix_(used, used)]
+    exact = multivariate_normal(np.zeros(int(used.sum())), full).logpdf(y[used])
+    assert model.log_likelihood(y, cycle, used) == pytest.approx(exact, rel=1e-9)
+
+
+def test_whitened_noise_is_white():
+    rng = np.random.default_rng(1)
+    cycle = np.arange(400) // 100
+    model = NoiseModel(0.1, 0.3, 0.8, 0.2, 0.02)
+    noise = np.linalg.cholesky(covariance(model, cycle)) @ rng.normal(size=(400, 40))
+    white = model.whiten(noise, cycle, np.ones(400, dtype=bool))
+    assert np.var(white) == pytest.approx(1.0, abs=0.03)
+    assert abs(np.mean(white[1:] * white[:-1])) < 0.02
+
+
+@pytest.mark.parametrize(("white", "correlated", "phi"), [(0.2, 0.0, 0.0), (0.1, 0.2, 0.85)])
+def test_noise_is_learnt_from_series(white, correlated, phi):
+    rng = np.random.default_rng(2)
+    cycle = np.zeros(200, dtype=int)
+    root = np.linalg.cholesky(covariance(NoiseModel(white, correlated, phi), cycle))
+    series = [s - s.mean() for s in (root @ rng.normal(size=(200, 5))).T]
+    assert fit_noise(series).deviation == pytest.approx(np.hypot(white, correlated), rel=0.15)
+
+
+@pytest.mark.parametrize(
+    "hidden",
+    [{"backlash": {"width": 8.0}}, {"drift/linear": {"rate": 4.0}}, {"creep": {"share": 0.3}}],
+    ids=lambda h: next(iter(h)),
+)
+def test_physics_is_no_noise(hidden):
+    recording = recorded(hidden, noise=0.2, seed=3)
+    problem = pose_problem(
+        DiagnosisConfig(), recording, "pitch_angle_deg", recording.values("pitch_angle_sim_deg")
+    )
+    prior = learn_noise(problem)
+    assert prior.repeats == 4
+    assert prior.model.deviation == pytest.approx(0.2, rel=0.12)

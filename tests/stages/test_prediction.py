@@ -1,0 +1,61 @@
+"""Predictions of a diagnosis' corrected simulation."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from pipeline.config import DiagnosisConfig
+from pipeline.discrepancy.model import ModelError, as_json, from_json
+from pipeline.stages.diagnosis import diagnose
+from pipeline.stages.prediction import predict
+from tests.discrepancy.made import NOISE, recorded
+
+HIDDEN = {"backlash": {"width": 4.0}, "drift/linear": {"rate": 2.0}}
+
+
+@pytest.fixture(scope="module")
+def model():
+    recording = recorded(HIDDEN, seed=1)
+    return diagnose(DiagnosisConfig(), recording).models[0]
+
+
+def test_later_cycles_are_predicted_from_their_commands(model):
+    longer = recorded(HIDDEN, seed=1, cycles=10, noise=0.0)
+    table = predict([model], longer)
+    assert list(table) == ["time_s", "pitch_angle_deg_predicted", "pitch_angle_deg_std"]
+    off = table["pitch_angle_deg_predicted"] - longer.values("pitch_angle_deg")
+    later = longer.values("cycle") >= 6
+    assert np.sqrt(np.mean(off[later] ** 2)) < 0.4 * NOISE
+    assert table["pitch_angle_deg_std"].iloc[-1] >= 0.9 * NOISE
+
+
+def test_the_deviation_covers_new_measurements(model):
+    longer = recorded(HIDDEN, seed=9, cycles=9)
+    table = predict([model], longer)
+    off = np.abs(table["pitch_angle_deg_predicted"] - longer.values("pitch_angle_deg"))
+    inside = np.mean(off < 1.96 * table["pitch_angle_deg_std"])
+    assert 0.9 < inside < 0.99
+
+
+def test_a_stored_model_answers_the_same(model):
+    recording = recorded(HIDDEN, seed=2)
+    again = from_json(json.loads(json.dumps(as_json(model))), ["yaw_command_deg"])
+    np.testing.assert_allclose(predict([again], recording), predict([model], recording))
+
+
+def test_a_missing_command_is_refused(model):
+    recording = recorded({})
+    renamed = tuple(
+        replace(c, name="x_command_deg") if c.name == "pitch_command_deg" else c
+        for c in recording.channels
+    )
+    samples = recording.samples.rename(columns={"pitch_command_deg": "x_command_deg"})
+    with pytest.raises(ModelError, match=r"command 'pitch_command_deg' that the model was fitted"):
+        predict([model], replace(recording, channels=renamed, samples=samples))
+
+
+def test_a_foreign_file_is_refused():
+    with pytest.raises(ModelError, match=r"schema 'loopgap.model/1'; found 'other'"):
+        from_json({"schema": "other"}, [])
