@@ -94,7 +94,7 @@ def independent(ground: Ground) -> float:
 
 
 def choose(search: Search, ground: Ground) -> list[Choice]:
-    """The best choices, best first; each set of terms once."""
+    """Choices by a beam, not yet polished; each set of terms once."""
     base = search.weighed(evaluate(ground, ()), (0, 0, 0))
     found = {base.fit.key: base}
     beam = [base]
@@ -110,18 +110,21 @@ def choose(search: Search, ground: Ground) -> list[Choice]:
         beam = promising(list(level.values()), base.score)
         if beam[0].score > before + LEAST_GAIN:
             break
-    return polished(search, list(found.values()))
+    best = min(found.values(), key=lambda c: c.score)
+    richest = grown(search, best)
+    found[richest.fit.key] = richest
+    return sorted(found.values(), key=lambda c: c.score)
 
 
 def choose_again(search: Search, ground: Ground, earlier: Sequence[Choice]) -> list[Choice]:
-    """The best choices on other rows, begun from earlier ones (the best and the empty one)."""
+    """Choices on other rows, begun from earlier ones (the best and the empty one)."""
     begun = [*earlier[:EARLIER], *(c for c in earlier[EARLIER:] if not c.fit.pieces)]
     again = [search.weighed(evaluate(ground, c.fit.pieces), c.place, 8) for c in begun]
     found = {c.fit.key: c for c in again}
     best = min(again, key=lambda c: c.score)
     for child in extended(search, best, skip=found):
         found[child.fit.key] = child
-    return polished(search, list(found.values()))
+    return list(found.values())
 
 
 def promising(choices: Sequence[Choice], base: float) -> list[Choice]:

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pipeline.discrepancy.choose import Choice, Search, choose, choose_again
+from pipeline.discrepancy.choose import Choice, Search, choose, choose_again, polished
 from pipeline.discrepancy.fit import ground_of
 from pipeline.discrepancy.noise_family import noise_family
 from pipeline.discrepancy.noise_learning import NoisePrior, learn_noise
@@ -16,7 +16,6 @@ from pipeline.physics.term import Term
 from pipeline.recording import reversals_of
 
 MOST_UNSETTLED = 0.1
-ROUNDS = 2
 INCREDIBLE, MOST_INCREDIBLE = 4.3, 0.03
 
 
@@ -44,22 +43,24 @@ def explain(problem: Problem) -> Explanation:
     settled = settled_rows(problem)
     off = np.where(problem.train, problem.measured - problem.simulated, np.nan)
     outliers = isolated(off, problem.train, prior.finest)
-    choices: list[Choice] = []
-    for _ in range(ROUNDS):
-        used = problem.train & settled & ~outliers
+    used = problem.train & settled & ~outliers
+    search = Search(candidates, effects, noise_family(prior, problem.cycle, used))
+    choices = choose(search, ground_of(problem, prior.model, used))
+    found = mistaken_rows(problem, choices[0], prior.finest)
+    if not np.array_equal(found, outliers):
+        used = problem.train & settled & ~found
         search = Search(candidates, effects, noise_family(prior, problem.cycle, used))
-        ground = ground_of(problem, prior.model, used)
-        choices = choose_again(search, ground, choices) if choices else choose(search, ground)
-        found = mistaken_rows(problem, choices[0], prior.finest)
-        same = np.array_equal(found, outliers)
-        outliers = found
-        if same:
-            break
+        choices = choose_again(search, ground_of(problem, prior.model, used), choices)
+    choices = polished(search, choices)
+    outliers = mistaken_rows(problem, choices[0], prior.finest)
     return Explanation(problem, prior, search, choices, outliers, used)
 
 
 def mistaken_rows(problem: Problem, choice: Choice, finest: float) -> np.ndarray:
-    """Outliers of a choice's residual: isolated rows, and few that its noise finds incredible."""
+    """Outliers of a choice's residual: isolated rows, and few that its noise finds incredible.
+
+    Rows that the choice was not fitted to are judged by their distance alone.
+    """
     fit = choice.fit
     off = np.where(problem.train, problem.measured - fit.predicted, np.nan)
     out = isolated(off, problem.train, finest)
@@ -67,7 +68,8 @@ def mistaken_rows(problem: Problem, choice: Choice, finest: float) -> np.ndarray
     if len(incredible) < MOST_INCREDIBLE * fit.ground.count:
         alone = np.diff(incredible, prepend=-9) > 1
         out[incredible[alone]] = True
-    return out
+    left_out = problem.train & settled_rows(problem) & ~fit.ground.used
+    return out | (left_out & (np.abs(off) > INCREDIBLE * fit.ground.noise.deviation))
 
 
 def excited_terms(problem: Problem) -> tuple[Term, ...]:

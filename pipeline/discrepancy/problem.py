@@ -199,7 +199,11 @@ def surroundings_of(
 
 
 def thinned(problem: Problem) -> tuple[Problem, int]:
-    """At most about MOST_ROWS rows to fit on, every k-th and all reversals; and k."""
+    """At most about MOST_ROWS rows to fit on, every k-th and all reversals; and k.
+
+    Rows after the last one to fit on tell a fit nothing and are left out.
+    """
+    problem = problem.rows(np.arange(np.flatnonzero(problem.train)[-1] + 1))
     n = len(problem.motion)
     every = -(-n // MOST_ROWS)
     if every == 1:

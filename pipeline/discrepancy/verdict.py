@@ -10,7 +10,7 @@ from pipeline.discrepancy.explain import Explanation
 from pipeline.discrepancy.rest import Rest, structured_rest
 from pipeline.recording import branch_of
 
-SURE = 5.5
+SURE, CERTAIN = 5.5, 9.0
 SMALLEST_SIZE = 0.2
 HEAVY, LIGHT, LOPSIDED, UNEVEN = 1.5, -0.45, 0.45, 40.0
 SLOW, SLOW_SHARE = 0.87, 0.5
@@ -61,7 +61,8 @@ def structure_of(explanation: Explanation, choice: Choice) -> Structure:
     """
     rests = structured_rest(choice, explanation.search.family)
     noise = choice.fit.ground.noise
-    certain = [r for r in rests if sureness(r) > SURE and r.size > SMALLEST_SIZE * noise.deviation]
+    large = SMALLEST_SIZE * noise.deviation
+    certain = [r for r in rests if sureness(r) > CERTAIN or (sureness(r) > SURE and r.size > large)]
     signs = odd_signs(explanation, choice)
     if noise.deviation <= 2.0 * explanation.prior.finest:
         return Structure(False, None, 0.0, 1.0)

@@ -101,7 +101,7 @@ class Term:
         return out
 
     def void(self, values: np.ndarray) -> bool:
-        """Whether these parameters amount to no such thing; the first one is the size unless said."""
+        """Whether this amounts to no such thing; the first parameter is the size unless said."""
         return bool(values[0] == 0.0)
 
     def excited(self, motion: Motion, around: Surroundings) -> bool:
