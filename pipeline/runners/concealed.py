@@ -9,7 +9,6 @@ from multiprocessing import get_context
 from pathlib import Path
 
 import pandas as pd
-from threadpoolctl import threadpool_limits
 
 from pipeline.concealed.benchmark import generate
 from pipeline.concealed.cases import follow_up
@@ -88,8 +87,7 @@ def _answered(job: Job) -> float:
     config, folder, results = job
     recording = load_recording(folder)
     began_s = time.perf_counter()
-    with threadpool_limits(1):
-        answered = answer(config, [recording])
+    answered = answer(config, [recording])
     taken_s = time.perf_counter() - began_s
     write_answer(answered, results)
     later = folder.with_name(f"{folder.name}.later")

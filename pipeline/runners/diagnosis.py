@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pandas as pd
+from threadpoolctl import threadpool_limits
 
 from pipeline.config import DiagnosisConfig
 from pipeline.discrepancy import model as stored
@@ -56,7 +57,15 @@ def run_diagnosis(run: Run) -> None:
 
 
 def answer(config: DiagnosisConfig, recordings: Sequence[Recording]) -> Answered:
-    """Diagnose recordings that bring their simulations; say where and what next."""
+    """Diagnose recordings that bring their simulations; say where and what next.
+
+    The matrices are small: more than one BLAS thread only makes them wait for each other.
+    """
+    with threadpool_limits(1):
+        return _answer(config, recordings)
+
+
+def _answer(config: DiagnosisConfig, recordings: Sequence[Recording]) -> Answered:
     results = [diagnose(config, recording) for recording in recordings]
     diagnoses = [d for r in results for d in r.diagnoses]
     evidence = [e for r in results for e in r.evidence]
