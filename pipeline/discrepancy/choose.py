@@ -26,7 +26,9 @@ EARLIER = 6
 LAGGARD, CLEAR = 0.3, 60.0
 
 Key = frozenset[tuple[str, str]]
-UNLIKELY = {"response_lag": 8.0, "lost_steps": 3.0}
+Place = tuple[int, int, int]
+SLOW = ("lost_steps", "drift")
+UNLIKELY = {"response_lag": 8.0, "lost_steps": 3.0, "contact": 2.0}
 
 
 @dataclass(frozen=True)
@@ -34,7 +36,7 @@ class Choice:
     """A fit with its own noise and its score: -2 log evidence (BIC) with a charge for each term."""
 
     fit: Fit
-    place: tuple[int, int, int]
+    place: Place
     score: float
 
 
@@ -46,23 +48,27 @@ class Search:
     effects: Effects
     family: NoiseFamily
 
-    def weighed(self, fit: Fit, place: tuple[int, int, int], iterations: int = 4) -> Choice:
+    def weighed(self, fit: Fit, place: Place, iterations: int = 4) -> Choice:
         """A fit under the noise that suits its own residual, refitted there, and its score.
 
         Begun from the noise given and, where that wanders, also from noise that does not: else a
         walk takes over what a drift should explain.
         """
         choice = self._weighed_from(fit, place, iterations)
-        if choice.place[1] > 0 or choice.place[2] > 0:
-            still = (choice.place[0], 0, 0)
-            residual = np.where(fit.ground.used, fit.ground.problem.measured - fit.predicted, 0.0)
-            noise = self.family.noise_at(still, self.family.weigh(still, residual)[1])
-            settled = improve(evaluate(fit.ground.with_noise(noise), fit.pieces), iterations)
+        if wanders(choice.place):
+            settled, still = self.stilled(fit, choice.place, iterations)
             other = self._weighed_from(settled, still, iterations)
             choice = min(choice, other, key=lambda c: c.score)
         return choice
 
-    def _weighed_from(self, fit: Fit, place: tuple[int, int, int], iterations: int) -> Choice:
+    def stilled(self, fit: Fit, place: Place, iterations: int) -> tuple[Fit, Place]:
+        """The fit under noise of the same shape that neither jitters nor walks."""
+        still = (place[0], 0, 0)
+        residual = np.where(fit.ground.used, fit.ground.problem.measured - fit.predicted, 0.0)
+        noise = self.family.noise_at(still, self.family.weigh(still, residual)[1])
+        return improve(evaluate(fit.ground.with_noise(noise), fit.pieces), iterations), still
+
+    def _weighed_from(self, fit: Fit, place: Place, iterations: int) -> Choice:
         residual = fit.ground.problem.measured - fit.predicted
         noise, place = self.family.pick(residual, place)
         ground = fit.ground.with_noise(noise)
@@ -145,15 +151,21 @@ def extended(
         if parent.fit.key | {(t.name, t.form)} not in skip
     ]
     leads = by_term(screen(parent.fit, search.effects, terms))
-    trials = []
-    for few in leads[:branches]:
-        trials.append(improve(started(parent.fit, few), 3))
+    trials = [improve(started(parent.fit, few), 3) for few in leads[:branches]]
     trials.sort(key=lambda t: t.cost)
-    out = []
-    for trial in trials[: max(branches - 3, 3)]:
-        fit = settle_moments(improve(trial, 8))
-        out.append(search.weighed(fit, parent.place))
-    return out
+    trials = trials[: max(branches - 3, 3)]
+    slow = [t for t in terms if t.name in SLOW]
+    if wanders(parent.place) and slow:
+        still = search.stilled(parent.fit, parent.place, 4)[0]
+        for few in by_term(screen(still, search.effects, slow))[:2]:
+            trials.append(improve(started(still, few), 3))
+    fits = [settle_moments(improve(trial, 8)) for trial in trials]
+    return [search.weighed(fit, parent.place) for fit in fits]
+
+
+def wanders(place: Place) -> bool:
+    """Whether a noise jitters or walks, and so may take over what a slow term should explain."""
+    return place[1] > 0 or place[2] > 0
 
 
 def by_term(leads: Sequence[Lead]) -> list[list[Lead]]:

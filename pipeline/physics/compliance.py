@@ -29,12 +29,12 @@ class Compliance(Term):
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
         half, unit = 0.5 * around.angle_span, around.angle_unit
-        stretch = Parameter("stretch", "", 0.0, 2.0, 0.02, 0.1)
+        stretch = Parameter("stretch", "", 0.0, 2.0, 0.02, 0.1, weak=True)
         if self.form == "joint":
             hard = 0.1 / half**2
             return (Parameter("hardening", f"1/{unit}^2", 0.0, 30 * hard, hard, hard), stretch)
         return (
-            Parameter("softness", "", 0.0, 1.5, 0.2, 0.2),
+            Parameter("softness", "", 0.0, 0.8, 0.2, 0.2),
             Parameter("reach", unit, 0.01 * half, 2.0 * half, 0.2 * half, 0.2 * half),
             stretch,
             Parameter("stiffness", "", 0.01, 2.0, 0.2, 0.05, weak=True),

@@ -28,7 +28,7 @@ class Slack(Term):
         return (
             Parameter("width", unit, 0.0, 0.8 * span, 0.05 * span, 0.05 * span),
             Parameter("centre", unit, middle - far, middle + far, middle, 0.05 * span),
-            Parameter("rounding", unit, 1e-4 * span, 0.02 * span, 0.002 * span, 0.0007 * span),
+            Parameter("rounding", unit, 1e-4 * span, 0.02 * span, 0.002 * span, 0.0004 * span),
             Parameter("stiffness", "", 0.01, 2.0, STIFFNESS, 0.02, weak=True),
         )
 
