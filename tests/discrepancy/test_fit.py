@@ -1,0 +1,76 @@
+"""Fits: recovery, intervals that cover, ties, outliers."""
+
+import numpy as np
+import pytest
+
+from pipeline.config import DiagnosisConfig
+from pipeline.discrepancy.fit import evaluate, ground_of, improve, jacobian
+from pipeline.discrepancy.intervals import covariance_of, estimates
+from pipeline.discrepancy.noise import NoiseModel
+from pipeline.discrepancy.outliers import isolated
+from pipeline.discrepancy.problem import pose_problem, static_misfit, thinned
+from pipeline.physics.catalogue import term
+from pipeline.physics.mechanism import Piece
+from tests.discrepancy.made import NOISE, recorded
+
+HIDDEN = {"backlash": {"width": 4.0}, "transmission_ripple": {"amplitude": 1.0, "period": 20.0}}
+BEGUN = (
+    Piece(term("backlash"), np.array([2.5])),
+    Piece(term("transmission_ripple"), np.array([0.6, 20.5, 0.2])),
+)
+
+
+def fitted(seed: int):
+    recording = recorded(HIDDEN, seed=seed)
+    problem = pose_problem(
+        DiagnosisConfig(), recording, "pitch_angle_deg", recording.values("pitch_angle_sim_deg")
+    )
+    return improve(evaluate(ground_of(problem, NoiseModel(NOISE), problem.train), BEGUN), 30)
+
+
+def test_a_fit_finds_what_was_hidden():
+    fit = fitted(1)
+    assert fit.pieces[0].values[0] == pytest.approx(4.0, abs=0.1)
+    assert fit.pieces[1].values[:2] == pytest.approx([1.0, 20.0], abs=0.1)
+    assert fit.nuisance == pytest.approx([1.02, 0.4], abs=0.05)
+    assert np.var(fit.innovations) == pytest.approx(1.0, abs=0.15)
+
+
+def test_every_parameter_has_a_slope():
+    slopes = jacobian(fitted(2))
+    assert np.all(np.sum(slopes**2, axis=0) > 1.0)
+
+
+def test_intervals_cover():
+    truth = {"width": 4.0, "amplitude": 1.0, "period": 20.0}
+    covered = []
+    for seed in range(40):
+        fit = fitted(seed)
+        for _, own in estimates(fit, covariance_of(fit)):
+            covered += [e.low <= truth[e.name] <= e.high for e in own if e.name in truth]
+    assert 0.91 <= np.mean(covered) <= 1.0
+
+
+def test_lone_samples_are_isolated_but_corners_are_not():
+    rng = np.random.default_rng(0)
+    residual = 0.1 * rng.standard_normal(300) + np.abs(np.arange(300) - 150) * 0.02
+    residual[[40, 200]] += 3.0
+    found = isolated(residual, np.ones(300, dtype=bool), 1e-6)
+    assert np.flatnonzero(found).tolist() == [40, 200]
+
+
+def test_a_static_simulation_is_told_from_a_dynamic_one():
+    command = np.sin(np.arange(400) / 20.0) * 50.0
+    assert static_misfit(command, 0.7 * command - 1e-5 * command**3) < 1e-3
+    assert static_misfit(command, np.roll(0.7 * command, 5)) > 0.01
+
+
+def test_long_recordings_are_thinned_at_their_reversals_and_say_so():
+    recording = recorded({}, cycles=120)
+    problem = pose_problem(
+        DiagnosisConfig(), recording, "pitch_angle_deg", recording.values("pitch_angle_sim_deg")
+    )
+    small, every = thinned(problem)
+    assert every == 3
+    assert len(small.motion) < 6000
+    assert small.motion.drive.max() == problem.motion.drive.max()
