@@ -44,7 +44,9 @@ class Run:
         else:
             folders = sorted(self.find("vision", "vision").iterdir())
         recordings = [load_recording(folder) for folder in folders]
-        found = {axis: recording for recording in recordings for axis in measured_axes(recording)}
+        found = self.in_order(
+            {axis: recording for recording in recordings for axis in measured_axes(recording)}
+        )
         if not found:
             raise UsageError(
                 refusal(str(folders[0]), "channels <axis>_command_deg and <axis>_angle_deg",

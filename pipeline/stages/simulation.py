@@ -38,7 +38,8 @@ def simulate(config: SimulationConfig, recording: Recording) -> Recording:
                     "Add one, or choose simulation=kinematic or simulation=python.")
         )  # fmt: skip
     for channel, values in zip(lacking, answers, strict=True):
-        name = f"{channel.name}_simulation"
+        stem, _, unit = channel.name.rpartition("_")
+        name = f"{stem}_sim_{unit}" if stem else f"{unit}_sim"
         recording = recording.with_channel(
             Channel(name, "simulation", channel.unit, of=channel.name), values
         )

@@ -37,7 +37,7 @@ def test_terms_of_the_configuration_act():
         axes={"pitch_angle_deg": SimulatedAxis("pitch_command_deg", 1.0, 0.0,
                                                {"backlash": {"width": 4.0}})},
     )  # fmt: skip
-    answer = simulate(with_play, a_recording()).values("pitch_angle_deg_simulation")
+    answer = simulate(with_play, a_recording()).values("pitch_angle_sim_deg")
     assert answer[19] == pytest.approx(48.0)  # ascending: half the width behind
     assert answer[-1] == pytest.approx(-48.0)
 
@@ -57,7 +57,7 @@ def test_function_of_ones_own(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     config = SimulationConfig("python", "my_own_model:simulate")
     answer = simulate(config, a_recording())
-    assert np.allclose(answer.values("pitch_angle_deg_simulation")[19], 100.0)
+    assert np.allclose(answer.values("pitch_angle_sim_deg")[19], 100.0)
     with pytest.raises(LoopgapError, match=r"shape \(60,\); found shape \(1,\)"):
         simulate(SimulationConfig("python", "my_own_model:short"), a_recording())
     with pytest.raises(UsageError, match="Start loopgap in the folder of no_such_model.py"):
