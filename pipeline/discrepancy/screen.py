@@ -12,6 +12,8 @@ from pipeline.physics.term import Term
 
 SCALES = (0.1, 8.0)
 PROMISING = 4
+LATE = ("frame_lag", "response_lag", "backlash", "tension_loss", "friction", "creep")
+PHASED = ("transmission_ripple",)
 
 
 @dataclass(frozen=True)
@@ -36,7 +38,11 @@ class Effects:
     def promising(
         self, fit: Fit, terms: Sequence[Term], most: int
     ) -> list[tuple[Term, np.ndarray]]:
-        """The candidates of each term whose nominal effect suits a fit's residual best."""
+        """The candidates of each term whose nominal effect suits a fit's residual best.
+
+        Where the fit answers late, nominal effects have the wrong phase on either way: all
+        candidates that have one are kept.
+        """
         allowed = {(t.name, t.form) for t in terms}
         wanted = [k for k, (t, _) in enumerate(self.places) if (t.name, t.form) in allowed]
         gains = _gains(
@@ -46,7 +52,12 @@ class Effects:
         for k, (gain, _) in zip(wanted, gains, strict=True):
             term = self.places[k][0]
             own.setdefault((term.name, term.form), []).append((-gain, k))
-        return [self.places[k] for few in own.values() for _, k in sorted(few)[:most]]
+        late = any(p.term.name in LATE for p in fit.pieces)
+        return [
+            self.places[k]
+            for (name, _), few in own.items()
+            for _, k in sorted(few)[: None if late and name in PHASED else most]
+        ]
 
 
 def effects_of(problem: Problem, terms: Sequence[Term]) -> Effects:
