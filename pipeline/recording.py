@@ -350,7 +350,11 @@ def _check_samples(path: Path, samples: pd.DataFrame, channels: Sequence[Channel
         bad = ~finite & (samples[name].notna().to_numpy() if name in may_be_empty else True)
         if bad.any():
             row = int(np.flatnonzero(bad)[0])
-            found = "nothing" if pd.isna(samples[name].iloc[row]) else repr(str(samples[name].iloc[row]))
+            found = (
+                "nothing"
+                if pd.isna(samples[name].iloc[row])
+                else repr(str(samples[name].iloc[row]))
+            )
             raise RecordingError(
                 refusal(f"{path}, row {row + first_row}, column {name!r}", "a number", found,
                         "Correct it" + (" or leave it empty." if name in may_be_empty else "."))

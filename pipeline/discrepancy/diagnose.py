@@ -30,6 +30,8 @@ from pipeline.recording import Recording
 
 RIVALS = 6
 RIVAL_GAP = 14.0
+TWICE, HALF = 2.0, 0.5
+HELDOUT = "on held-out samples, which the fit to the others does not predict"
 
 
 def diagnose_measurement(
@@ -51,15 +53,18 @@ def diagnose_measurement(
     model = model_of(measurement, problem, best)
     evidence = evidence_of(recording, measurement, problem, explanation, best, model)
     physics = named_physics(explanation, best, evidence, structure)
-    verdict = verdict_of(explanation, best, physics, structure)
     noise = best.fit.ground.noise
+    before, after = errors(evidence, evidence.before), errors(evidence, evidence.after)
+    if not structure.found and unproven(before, after, noise.deviation):
+        structure = Structure(True, HELDOUT, structure.share, structure.p_value)
+    verdict = verdict_of(explanation, best, physics, structure)
     diagnosis = Diagnosis(
         measurement=measurement,
         unit=problem.around.angle_unit,
         verdict=verdict,
         noise=float(np.hypot(noise.deviation, noise.jitter)),
-        before=errors(evidence, evidence.before),
-        after=errors(evidence, evidence.after),
+        before=before,
+        after=after,
         location=(),
         physics=physics,
         calibration=Calibration(float(best.fit.nuisance[0]), float(best.fit.nuisance[1])),
@@ -69,6 +74,15 @@ def diagnose_measurement(
         notes=notes(problem, explanation, evidence, every),
     )
     return diagnosis, evidence, model
+
+
+def unproven(before: Errors, after: Errors, noise: float) -> bool:
+    """Whether the held-out rows refute what the training rows seemed to say.
+
+    They do where the error there is both over twice the noise and over half of what it was before.
+    """
+    left = after.heldout_rmse
+    return left > TWICE * noise and left > HALF * before.heldout_rmse
 
 
 def mechanism_of(problem: Problem, choice: Choice) -> Mechanism:

@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 from pipeline.config import DiagnosisConfig
+from pipeline.discrepancy.diagnose import unproven
 from pipeline.discrepancy.problem import DiagnosisError, held_out_rows
-from pipeline.discrepancy.result import VERDICTS, as_json
+from pipeline.discrepancy.result import VERDICTS, Errors, as_json
 from pipeline.recording import Recording
 from pipeline.stages.diagnosis import diagnose
 from tests.discrepancy.made import NOISE, recorded
@@ -208,3 +209,9 @@ def test_several_measurements_give_one_entry_each_in_plain_json():
         "measurement", "unit", "verdict", "noise", "before", "after", "location", "physics",
         "calibration", "unexplained", "not_excited", "next_experiment",
     }  # fmt: skip
+
+
+def test_a_fit_that_held_out_samples_refute_explains_nothing():
+    assert unproven(Errors(1.4, 1.5), Errors(0.18, 1.41), noise=0.18)
+    assert not unproven(Errors(1.4, 1.5), Errors(0.18, 0.19), noise=0.18)
+    assert not unproven(Errors(0.2, 0.21), Errors(0.18, 0.2), noise=0.18)  # little was wrong
