@@ -21,13 +21,6 @@ EXTRA_STAGES = ("prediction", "close_the_gap", "concealed")
 
 
 @dataclass
-class AxisMotion:
-    """How far one axis is driven [deg of motor shaft]."""
-
-    amplitude_deg: float = 60.0
-
-
-@dataclass
 class AcquisitionConfig:
     """The protocol of the paper: cycles of equal steps, a pause, an image."""
 

@@ -2,6 +2,7 @@
 
 import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -57,6 +58,18 @@ def test_truth_is_beside_the_recording_and_not_in_it(small_run):
     assert len(truth) == 160
     for samples in small_run.glob("*/yaw/samples.csv"):
         assert not [c for c in pd.read_csv(samples).columns if "true" in c]
+
+
+def test_no_stage_before_evaluation_needs_the_truth(small_run, tmp_path, monkeypatch):
+    blind = tmp_path / "blind"
+    shutil.copytree(
+        small_run / "acquisition", blind / "acquisition", ignore=shutil.ignore_patterns("truth")
+    )
+    arguments = [*SMALL, f"hydra.run.dir={tmp_path / 'again'}", f"earlier={blind}"]
+    stages = "stages=[vision,selection,training,compensation]"
+    assert loopgap(monkeypatch, *arguments, stages) == 0
+    for name in ("vision/yaw/samples.csv", "training/pitch.json", "compensation/yaw.csv"):
+        assert (tmp_path / "again" / name).read_bytes() == (small_run / name).read_bytes()
 
 
 def test_some_stages_go_on_from_an_earlier_run(small_run, tmp_path, monkeypatch):

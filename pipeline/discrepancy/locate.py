@@ -92,20 +92,6 @@ def locate(
     return _located(parts, work, scene, spikes)
 
 
-def unexplained_of(
-    located: list[Located], zero_wanders: bool = False
-) -> tuple[float, float, str | None]:
-    """Of a residual that should be noise: share of what is structured, its p, where it is most.
-
-    zero_wanders: the noise is known to wander, so time and cycle say nothing.
-    """
-    counted = [e for e in located if not (zero_wanders and e.coordinate in BETWEEN_CYCLES)]
-    sure = [entry for entry in counted if entry.where is not None]
-    least_p = min((entry.p_value for entry in counted), default=1.0)
-    share = min(1.0, sum(entry.share for entry in sure))
-    return share, least_p, sure[0].where if sure else None
-
-
 class _Columns:
     """One test's columns, as they are and whitened, clear of all that was taken out so far."""
 

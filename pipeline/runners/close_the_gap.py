@@ -41,7 +41,7 @@ def run_close_the_gap(run: Run) -> None:
             folder = run.folder / f"round-{number}"
             whole = _joined(whole, _recorded(run, laboratory, commands, folder))
             answered = answer(
-                run.config.diagnosis, [simulate(run.config.simulation, _only(whole, axis))]
+                run.config.diagnosis, [simulate(run.config.simulation, _without_encoders(whole))]
             )
             write_answer(answered, folder)
             write_pages(answered, folder)
@@ -63,8 +63,8 @@ def _recorded(run: Run, laboratory: Laboratory, commands: pd.DataFrame, folder: 
     return see(run, folder / "acquisition", folder / "vision")
 
 
-def _only(recording: Recording, axis: str) -> Recording:
-    """Without the encoders: they are no part of what a simulation is asked."""
+def _without_encoders(recording: Recording) -> Recording:
+    """The recording as a simulation is asked: encoders are no part of it."""
     keep = tuple(c for c in recording.channels if c.role != "encoder")
     return replace(recording, channels=keep)
 
