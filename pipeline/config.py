@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from hydra.core.config_store import ConfigStore
 from omegaconf import MISSING, OmegaConf
 
+from pipeline.config_importing import ImportingConfig
 from pipeline.errors import UsageError, refusal
 
 STAGES = (
@@ -17,7 +18,7 @@ STAGES = (
     "diagnosis",
     "review",
 )
-EXTRA_STAGES = ("prediction", "close_the_gap", "concealed")
+EXTRA_STAGES = ("importing", "prediction", "close_the_gap", "concealed")
 
 
 @dataclass
@@ -268,6 +269,7 @@ class Config:
     recording: str | None = None
     earlier: str | None = None
     model: str | None = None
+    importing: ImportingConfig = field(default_factory=ImportingConfig)
     acquisition: AcquisitionConfig = field(default_factory=AcquisitionConfig)
     robot: RobotConfig = field(default_factory=RobotConfig)
     camera: CameraConfig = field(default_factory=CameraConfig)

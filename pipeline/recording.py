@@ -259,15 +259,16 @@ def _read_channels(path: Path, head: dict[str, object]) -> tuple[Channel, ...]:
                         repr(entry), "Add what is missing.")
             )  # fmt: skip
         channels.append(Channel(entry["name"], entry["role"], entry["unit"], entry.get("of")))
-    _check_channels(path, channels)
+    check_channels(str(path), channels)
     return tuple(channels)
 
 
-def _check_channels(path: Path, channels: Sequence[Channel]) -> None:
+def check_channels(path: str, channels: Sequence[Channel]) -> None:
+    """Refuse repeated names, unknown roles, units that contradict names, simulations of nothing."""
     repeated = [name for name, count in Counter(c.name for c in channels).items() if count > 1]
     if repeated:
         raise RecordingError(
-            refusal(str(path), "each channel once", f"{repeated[0]!r} repeated", "Remove one.")
+            refusal(path, "each channel once", f"{repeated[0]!r} repeated", "Remove one.")
         )
     measurements = {c.name: c for c in channels if c.role == "measurement"}
     for channel in channels:

@@ -10,11 +10,13 @@ from pipeline.runners.close_the_gap import run_close_the_gap
 from pipeline.runners.concealed import run_concealed
 from pipeline.runners.diagnosis import run_diagnosis, run_prediction
 from pipeline.runners.evaluation import run_evaluation
+from pipeline.runners.importing import run_importing
 from pipeline.runners.models import run_compensation, run_selection, run_training
 from pipeline.runners.review import run_review
 from pipeline.runners.run_folder import Run
 
 RUNNERS: dict[str, Callable[[Run], None]] = {
+    "importing": run_importing,
     "acquisition": run_acquisition,
     "vision": run_vision,
     "selection": run_selection,

@@ -13,3 +13,11 @@ def concealed_recordings() -> list[Path]:
     if not folders:
         pytest.skip("no recordings beside the checkout")
     return folders
+
+
+@pytest.fixture
+def published_recordings() -> Path:
+    """The public recordings that conf/importing has mappings for."""
+    if not (SHARED / "recordings").is_dir():
+        pytest.skip("the published recordings are not beside the checkout")
+    return SHARED / "recordings"

@@ -139,14 +139,17 @@ def summary(diagnosis: Diagnosis) -> str:
 
 def run_prediction(run: Run) -> None:
     """What the corrected simulation of an earlier run says for a recording's commands."""
-    if run.config.recording is None or run.config.model is None:
+    folder = run.given_recording()
+    own = run.folder / MODEL_FILE
+    model = run.config.model or (str(run.folder) if own.is_file() else None)
+    if folder is None or model is None:
         raise UsageError(
             refusal("configuration", "model=RUN_DIR and recording=DIR",
                     f"model={run.config.model} recording={run.config.recording}",
                     "Name the run that diagnosed, and the recording whose commands to answer.")
         )  # fmt: skip
-    recording = load_recording(Path(run.config.recording))
-    file = Path(run.config.model) / MODEL_FILE
+    recording = load_recording(folder)
+    file = Path(model) / MODEL_FILE
     if not file.is_file():
         raise UsageError(
             refusal(str(file), "the model that a diagnosis left", "no such file",
@@ -168,8 +171,8 @@ def stored_models(file: Path, recording: Recording) -> list[CorrectedModel]:
 
 
 def _recordings(run: Run) -> dict[str, Recording]:
-    if run.config.recording is not None:
-        folder = Path(run.config.recording)
+    folder = run.given_recording()
+    if folder is not None:
         return {folder.name: load_recording(folder)}
     return run.measured()
 

@@ -16,6 +16,7 @@ from pipeline.models.loop_model import LoopModel
 from pipeline.recording import Recording, load_recording
 from pipeline.split import split_cycles
 
+IMPORTED = "recording"
 T = TypeVar("T")
 
 
@@ -37,12 +38,18 @@ class Run:
                     f"Add {stage!r} to `stages`, or name the run that did it: earlier=RUN_DIR.")
         )  # fmt: skip
 
+    def given_recording(self) -> Path | None:
+        """The recording that was named, or else the one that was imported; None without either."""
+        if self.config.recording is not None:
+            return Path(self.config.recording)
+        roots = [root for root in (self.folder, self.earlier) if root is not None]
+        imported = (root / IMPORTED for root in roots)
+        return next((f for f in imported if (f / "recording.json").is_file()), None)
+
     def measured(self) -> dict[str, Recording]:
         """The recording of every axis that has both a command and a measured angle."""
-        if self.config.recording is not None:
-            folders = [Path(self.config.recording)]
-        else:
-            folders = sorted(self.find("vision", "vision").iterdir())
+        given = self.given_recording()
+        folders = [given] if given else sorted(self.find("vision", "vision").iterdir())
         recordings = [load_recording(folder) for folder in folders]
         found = self.in_order(
             {axis: recording for recording in recordings for axis in measured_axes(recording)}

@@ -1,0 +1,145 @@
+"""Text tables, csv, tsv and their kin: any separator, header or not, decimal point or comma."""
+
+import csv
+import io
+from collections import Counter
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from pipeline.config_importing import ReadingConfig
+from pipeline.errors import refusal
+from pipeline.foreign.table import ForeignFileError, ForeignTable
+
+SEPARATORS = ("\t", ";", "|", ",", " ")
+LOOKED_AT = 50
+BYTE_ORDER_MARKS = {
+    b"\xef\xbb\xbf": "utf-8-sig",
+    b"\xff\xfe": "utf-16",
+    b"\xfe\xff": "utf-16",
+}
+
+
+def read_delimited(path: Path, reading: ReadingConfig) -> ForeignTable:
+    """The whole table; columns without a header are called `0`, `1`, ..."""
+    text = _decoded(path, reading.encoding)
+    kept = _kept_lines(text, reading)
+    if not kept:
+        raise ForeignFileError(
+            refusal(str(path), "a table", "nothing in the file but blank or skipped lines",
+                    "Export it again.")
+        )  # fmt: skip
+    lines = [line for _, line in kept]
+    separator = reading.separator or _separator(lines[:LOOKED_AT])
+    with_header = reading.header
+    if with_header is None:
+        with_header = _looks_like_header(_cells(lines[0], separator), reading.decimal)
+    names = _names(_cells(lines[0], separator), with_header)
+    first = 1 + reading.skip_after_header if with_header else reading.skip_after_header
+    body = kept[first:]
+    _check_widths(path, body, separator, len(names))
+    samples = _parse(path, [line for _, line in body], separator, len(names), reading.decimal)
+    unique = _unique(names)
+    columns = {name: samples[i].to_numpy() for i, name in enumerate(unique)}
+    numbers = np.array([number for number, _ in body], dtype=int)
+    repeated = [name for name, count in Counter(names).items() if count > 1]
+    return ForeignTable(str(path), columns, lambda row: f"line {numbers[row]}", repeated=repeated)
+
+
+def _decoded(path: Path, encoding: str | None) -> str:
+    try:
+        data = path.read_bytes()
+        marked = (name for mark, name in BYTE_ORDER_MARKS.items() if data.startswith(mark))
+        return data.decode(next(marked, None) or encoding or "utf-8")
+    except (OSError, LookupError, UnicodeError) as error:
+        raise ForeignFileError(
+            refusal(str(path), f"text in {encoding or 'UTF-8'}", str(error),
+                    "Give its encoding, such as `reading.encoding: latin-1`, or export it anew.")
+        ) from error  # fmt: skip
+
+
+def _kept_lines(text: str, reading: ReadingConfig) -> list[tuple[int, str]]:
+    """Lines with their number from 1, without those that are skipped, blank or a comment."""
+    lines = list(enumerate(text.splitlines(), start=1))[reading.skip_rows :]
+    mark = reading.comment
+    return [
+        (number, line)
+        for number, line in lines
+        if line.strip() and not (mark and line.lstrip().startswith(mark))
+    ]
+
+
+def _cells(line: str, separator: str) -> list[str]:
+    cells = next(csv.reader([line], delimiter=separator, skipinitialspace=True))
+    return [cell.strip() for cell in cells]
+
+
+def _separator(lines: list[str]) -> str:
+    """The first separator that gives all lines the same number of cells, more than one."""
+    for separator in SEPARATORS:
+        widths = {len(_cells(line.strip(), separator)) for line in lines}
+        if len(widths) == 1 and widths.pop() > 1:
+            return separator
+    most = {s: sum(line.count(s) for line in lines) for s in SEPARATORS[:-1]}
+    return max(most, key=lambda s: most[s]) if any(most.values()) else ","
+
+
+def _looks_like_header(cells: list[str], decimal: str) -> bool:
+    return any(cell and not _is_number(cell.replace(decimal, ".")) for cell in cells)
+
+
+def _is_number(cell: str) -> bool:
+    try:
+        float(cell)
+    except ValueError:
+        return False
+    return True
+
+
+def _names(cells: list[str], with_header: bool) -> list[str]:
+    """Names of the columns; a cell without a name takes its index."""
+    return [cell if with_header and cell else str(i) for i, cell in enumerate(cells)]
+
+
+def _unique(names: list[str]) -> list[str]:
+    seen: Counter[str] = Counter()
+    unique = []
+    for name in names:
+        seen[name] += 1
+        unique.append(name if seen[name] == 1 else f"{name} ({seen[name]})")
+    return unique
+
+
+def _check_widths(path: Path, body: list[tuple[int, str]], separator: str, width: int) -> None:
+    """Each row has the header's number of cells; empty ones behind it do no harm."""
+    if not body:
+        raise ForeignFileError(
+            refusal(str(path), "rows of samples", "a header alone", "Export it again.")
+        )
+    source = (line.strip(" ") if separator == " " else line for _, line in body)
+    rows = csv.reader(source, delimiter=separator, skipinitialspace=True)
+    for (number, _), cells in zip(body, rows, strict=False):
+        if len(cells) != width and (len(cells) < width or any(c.strip() for c in cells[width:])):
+            last = number == body[-1][0]
+            raise ForeignFileError(
+                refusal(f"{path}, line {number}", f"{width} cells", f"{len(cells)}",
+                        "The file ends within a row: copy it anew, or delete that row." if last
+                        else "Mend the row, or give `reading.separator`, `reading.skip_rows`, "
+                        "`reading.comment`.")
+            )  # fmt: skip
+
+
+def _parse(path: Path, lines: list[str], separator: str, width: int, decimal: str) -> pd.DataFrame:
+    try:
+        return pd.read_csv(
+            io.StringIO("\n".join(line.strip(" ") for line in lines)),
+            sep=r"\s+" if separator == " " else separator, header=None,
+            usecols=list(range(width)), decimal=decimal, skipinitialspace=True,
+            skip_blank_lines=False, low_memory=False,
+        )  # fmt: skip
+    except (ValueError, pd.errors.ParserError) as error:
+        raise ForeignFileError(
+            refusal(str(path), f"a table of {width} columns separated by {separator!r}",
+                    str(error), "Give `reading.separator` and `reading.decimal`.")
+        ) from error  # fmt: skip

@@ -1,0 +1,97 @@
+"""Columns as a foreign file has them, and errors that say where in the file something is wrong."""
+
+import difflib
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+import pandas as pd
+
+from pipeline.errors import LoopgapError, UsageError, refusal
+
+LISTED = 30
+
+
+class ForeignFileError(LoopgapError):
+    """A foreign file is not what its kind of file should be."""
+
+
+def row_from_zero(row: int) -> str:
+    """How a row is called where the format itself has no line numbers."""
+    return f"row {row} (from 0)"
+
+
+@dataclass(frozen=True)
+class ForeignTable:
+    """Named columns of shape (n,); their lengths may differ where the file holds several arrays.
+
+    `unusable` says of what else the file holds why it is no column; `repeated` are names that
+    stand over several columns.
+    """
+
+    where: str
+    columns: Mapping[str, np.ndarray]
+    row_name: Callable[[int], str] = row_from_zero
+    unusable: Mapping[str, str] = field(default_factory=dict)
+    repeated: Sequence[str] = ()
+
+    def find(self, wanted: str) -> str:
+        """The column of that name, or of that index from 0; UsageError lists those there are."""
+        names = list(self.columns)
+        if wanted in self.repeated:
+            raise UsageError(
+                refusal(self.where, f"one column {wanted!r}", "several of that name",
+                        f"Give its index instead, from 0 to {len(names) - 1}.")
+            )  # fmt: skip
+        if wanted in self.columns:
+            return wanted
+        if wanted.isdigit() and int(wanted) < len(names):
+            return names[int(wanted)]
+        if wanted in self.unusable:
+            raise UsageError(
+                refusal(f"{self.where}, {wanted!r}", "a column of numbers", self.unusable[wanted],
+                        "Name another column.")
+            )  # fmt: skip
+        raise UsageError(
+            refusal(self.where, f"a column {wanted!r}", f"columns {listed(names)}",
+                    suggestion(wanted, names) + "Name one of these in the mapping.")
+        )  # fmt: skip
+
+    def numbers(self, wanted: str) -> np.ndarray:
+        """A column as numbers, shape (n,), whole numbers left whole; empty cells are NaN."""
+        name = self.find(wanted)
+        values = self.columns[name]
+        if values.dtype.kind in "fiu":
+            return values
+        if values.dtype.kind == "b":
+            return values.astype(float)
+        given = pd.Series(values)
+        numbers = pd.to_numeric(given, errors="coerce").to_numpy(dtype=float)
+        bad = np.flatnonzero(np.isnan(numbers) & given.notna().to_numpy())
+        if bad.size:
+            raise ForeignFileError(
+                refusal(f"{self.where}, {self.row_name(int(bad[0]))}, column {name!r}", "a number",
+                        repr(str(values[bad[0]])), _remedy(str(values[bad[0]])))
+            )  # fmt: skip
+        return numbers
+
+
+def listed(names: Sequence[str]) -> str:
+    """Names for a message; of very many only the first."""
+    shown = ", ".join(names[:LISTED])
+    more = len(names) - LISTED
+    return (shown or "none") + (f" and {more} more" if more > 0 else "")
+
+
+def suggestion(wanted: str, names: Sequence[str]) -> str:
+    """A sentence on the name that was probably meant, or nothing."""
+    lower = {name.lower().strip(): name for name in names}
+    close = difflib.get_close_matches(wanted.lower().strip(), list(lower), n=1, cutoff=0.6)
+    return f"Did you mean {lower[close[0]]!r}? " if close else ""
+
+
+def _remedy(text: str) -> str:
+    if "," in text and text.replace(",", ".", 1).replace(".", "", 1).lstrip("+-").isdigit():
+        return "If that is a decimal comma, set `reading.decimal: ','`."
+    return ("Correct it or leave it empty; rows of units or remarks are left out with "
+            "`reading.skip_after_header`, `reading.skip_rows` or `reading.comment`.")  # fmt: skip
