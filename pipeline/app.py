@@ -1,11 +1,8 @@
 """The command `loopgap`: typed configuration in, stages run in order, results out."""
 
-import datetime
-import json
 import os
 import signal
 import sys
-import traceback
 from pathlib import Path
 from types import FrameType
 
@@ -19,15 +16,13 @@ from omegaconf.errors import OmegaConfBaseException
 
 from pipeline.config import Config, check_config, register_schemas
 from pipeline.config_errors import explain
-from pipeline.errors import LoopgapError, UsageError
-from pipeline.recording import write_atomically
-from pipeline.run import run_stages
+from pipeline.errors import LoopgapError, UsageError, refusal
+from pipeline.job import Job, run_job
+from pipeline.sweep import SWEEP_DIR, Sweep, going_on, sweep_asked
 from pipeline.tracking.collection import collect
-from pipeline.tracking.reuse import SHARED_STAGES, note_recording, same_recording
 
 PACKAGE = Path(__file__).resolve().parent
 CONF = PACKAGE / "conf" if (PACKAGE / "conf").is_dir() else PACKAGE.parent / "conf"
-SWEEP_DIR = "hydra.sweep.dir="
 INTERRUPTED = 130
 UNUSABLE = 1
 
@@ -42,18 +37,30 @@ def run_command_line() -> int:
     os.environ.setdefault("HYDRA_FULL_ERROR", "1")
     signal.signal(signal.SIGTERM, _interrupt)
     register_schemas(ConfigStore.instance())
-    sweep = _sweep_folder()
     try:
-        _hydra_job()
+        sweep = sweep_asked(sys.argv[1:], CONF)
+        if sweep is None:
+            _hydra_job()
+            return 0
+        return _run_sweep(sweep)
     except (HydraException, OmegaConfBaseException) as error:
         return _complain(explain(error), UsageError.exit_status)
     except LoopgapError as error:
         return _complain(str(error), error.exit_status)
     except OSError as error:
-        return _complain(f"{error.filename or 'output'}: can't be used: {error}", UNUSABLE)
+        return _complain(_unusable(error), UNUSABLE)
     except KeyboardInterrupt:
-        return _complain("interrupted: what was recorded is in the run folder", INTERRUPTED)
-    return _report_sweep(sweep) if sweep else 0
+        return _complain("interrupted: what was done is in the run's folder", INTERRUPTED)
+
+
+def _run_sweep(sweep: Sweep) -> int:
+    if not any(a.startswith(SWEEP_DIR) for a in sys.argv):
+        sys.argv.append(f"{SWEEP_DIR}{sweep.folder}")
+    print(f"{sweep.jobs} jobs; should it be stopped, this goes on:\n"
+          f"  {going_on(sys.argv[1:], sweep.folder)}", flush=True)  # fmt: skip
+    with sweep.running():
+        _hydra_job()
+        return _report_sweep(sweep.folder)
 
 
 @hydra.main(version_base="1.3", config_path=str(CONF), config_name="config")
@@ -61,46 +68,26 @@ def _hydra_job(raw: DictConfig) -> None:
     settings = HydraConfig.get()
     folder = Path(settings.runtime.output_dir)
     in_sweep = settings.mode == RunMode.MULTIRUN
-    overrides = dict(o.lstrip("+~").split("=", 1) for o in settings.overrides.task if "=" in o)
-    head = {"overrides": overrides, "number": settings.job.num if in_sweep else 0}
-    _note(folder, head | {"status": "running"})
-    try:
+    job = Job(
+        folder,
+        list(settings.overrides.task),
+        settings.job.num if in_sweep else 0,
+        folder.parent if in_sweep else None,
+    )
+
+    def configure() -> tuple[Config, str]:
         config = OmegaConf.to_object(raw)
         assert isinstance(config, Config)
         check_config(config)
-        write_atomically(folder / "config.yaml", OmegaConf.to_yaml(raw, resolve=True))
-        shared = same_recording(config, folder.parent) if in_sweep else None
-        if shared is not None:
-            print(f"job {head['number']}: the recording of job {shared.name} is the same; used")
-            config.earlier = str(shared)
-            config.stages = [stage for stage in config.stages if stage not in SHARED_STAGES]
-        run_stages(config, folder)
-        note_recording(config, folder)
-    except BaseException as error:
-        _note(folder, head | {"status": "failed", "error": f"{type(error).__name__}: {error}"})
-        if not in_sweep or not isinstance(error, Exception):
-            raise
-        _complain(f"job {head['number']}: {error}", 1)
-        if not isinstance(error, LoopgapError):
-            traceback.print_exception(error)
-        return
-    _note(folder, head | {"status": "done"})
+        return config, OmegaConf.to_yaml(raw, resolve=True)
 
-
-def _note(folder: Path, job: dict[str, object]) -> None:
-    write_atomically(folder / "job.json", json.dumps(job, indent=1))
-
-
-def _sweep_folder() -> Path | None:
-    """Where a multirun writes, chosen here so that its table can be made after the last job."""
-    if not {"-m", "--multirun"} & set(sys.argv):
-        return None
-    given = [a.removeprefix(SWEEP_DIR) for a in sys.argv if a.startswith(SWEEP_DIR)]
-    if given:
-        return Path(given[-1].strip("'\""))
-    folder = Path(f"outputs/sweep_{datetime.datetime.now():%Y-%m-%d_%H-%M-%S-%f}")
-    sys.argv.append(SWEEP_DIR + str(folder))
-    return folder
+    try:
+        run_job(job, configure)
+    except (Exception, KeyboardInterrupt) as error:
+        if not in_sweep and not isinstance(error, UsageError):
+            print(f"when its cause is gone, this goes on:\n  {going_on(sys.argv[1:], folder)}",
+                  file=sys.stderr)  # fmt: skip
+        raise
 
 
 def _report_sweep(folder: Path) -> int:
@@ -109,6 +96,15 @@ def _report_sweep(folder: Path) -> int:
     for job in collection.incomplete.itertuples():
         print(f"job {job.job} {job.status}: {job.error}", file=sys.stderr)
     return 1 if len(collection.incomplete) else 0
+
+
+def _unusable(error: OSError) -> str:
+    return refusal(
+        str(error.filename or "a folder of this run"),
+        "a place that can be written",
+        f"{error.strerror or error}",
+        "Free or unlock it, or write elsewhere with `hydra.run.dir=OUT`.",
+    )
 
 
 def _complain(message: str, status: int) -> int:

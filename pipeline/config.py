@@ -261,6 +261,14 @@ class ConcealedConfig:
 
 
 @dataclass
+class CacheConfig:
+    """Where results are kept for other runs; without `use` none are taken or kept."""
+
+    use: bool = True
+    folder: str = "outputs/.cache"
+
+
+@dataclass
 class Config:
     """Everything that one run is told."""
 
@@ -284,6 +292,7 @@ class Config:
     diagnosis: DiagnosisConfig = field(default_factory=DiagnosisConfig)
     close_the_gap: CloseTheGapConfig = field(default_factory=CloseTheGapConfig)
     concealed: ConcealedConfig = field(default_factory=ConcealedConfig)
+    cache: CacheConfig = field(default_factory=CacheConfig)
 
 
 STEP_RULES: dict[str, type[StepRuleConfig]] = {

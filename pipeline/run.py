@@ -1,43 +1,31 @@
 """One run: its stages in their order."""
 
-import time
-from collections.abc import Callable
 from pathlib import Path
 
 from pipeline.config import Config
-from pipeline.runners.acquisition import run_acquisition, run_vision
-from pipeline.runners.close_the_gap import run_close_the_gap
-from pipeline.runners.concealed import run_concealed
-from pipeline.runners.diagnosis import run_diagnosis, run_prediction
-from pipeline.runners.evaluation import run_evaluation
-from pipeline.runners.importing import run_importing
-from pipeline.runners.models import run_compensation, run_selection, run_training
-from pipeline.runners.review import run_review
 from pipeline.runners.run_folder import Run
-
-RUNNERS: dict[str, Callable[[Run], None]] = {
-    "importing": run_importing,
-    "acquisition": run_acquisition,
-    "vision": run_vision,
-    "selection": run_selection,
-    "training": run_training,
-    "compensation": run_compensation,
-    "evaluation": run_evaluation,
-    "diagnosis": run_diagnosis,
-    "prediction": run_prediction,
-    "review": run_review,
-    "close_the_gap": run_close_the_gap,
-    "concealed": run_concealed,
-}
+from pipeline.runners.stage_run import FOLDER_IN_TEXT, Workplace, do_stage
+from pipeline.tracking.stage_record import FROM_BEFORE, RAN, StageRecord
 
 
-def run_stages(config: Config, folder: Path) -> None:
-    """Run the stages that the configuration names, in their order, and say what each did."""
+def run_stages(config: Config, folder: Path, place: Workplace) -> list[StageRecord]:
+    """Bring about what the named stages leave, in their order, and say what each did."""
     run = Run(config, folder, None if config.earlier is None else Path(config.earlier))
+    records = []
     for number, stage in enumerate(config.stages, start=1):
-        print(f"[{number}/{len(config.stages)}] {stage}", flush=True)
-        began_s = time.monotonic()
-        RUNNERS[stage](run)
-        print(f"[{number}/{len(config.stages)}] {stage}: {time.monotonic() - began_s:.1f} s",
-              flush=True)  # fmt: skip
+        head = f"[{number}/{len(config.stages)}] {stage}"
+        print(head, flush=True)
+        record = do_stage(run, stage, place)
+        if record.made != RAN:
+            print(record.said.replace(FOLDER_IN_TEXT, str(folder)), end="")
+        print(f"{head}: {_how(record)}", flush=True)
+        records.append(record)
     print(f"everything is in {folder}", flush=True)
+    return records
+
+
+def _how(record: StageRecord) -> str:
+    if record.made == RAN:
+        return f"{record.wall_time_s:.1f} s"
+    where = "here before" if record.made == FROM_BEFORE else "in the cache"
+    return f"{where}, made {record.began} in {record.wall_time_s:.1f} s"

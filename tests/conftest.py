@@ -1,10 +1,17 @@
 """What all tests share: the folder of recordings that may lie beside the checkout."""
 
+import os
 from pathlib import Path
 
 import pytest
 
 SHARED = Path(__file__).resolve().parents[2] / "shared"
+
+
+@pytest.fixture(scope="session", autouse=True)
+def cache_of_its_own(tmp_path_factory: pytest.TempPathFactory) -> None:
+    """No test finds what an earlier one, or a user, has kept."""
+    os.environ["LOOPGAP_CACHE"] = str(tmp_path_factory.mktemp("cache"))
 
 
 @pytest.fixture

@@ -110,6 +110,7 @@ def test_second_job_of_a_sweep_uses_the_first_ones_frames(tmp_path, monkeypatch)
     assert loopgap(monkeypatch, *arguments) == 1  # no metrics: listed as incomplete
     assert (tmp_path / "0" / "vision").is_dir()
     assert not (tmp_path / "1" / "vision").exists()
+    assert [f.name[:6] for f in (tmp_path / "shared").glob("vision-*")] == ["vision"]
 
 
 def test_a_failed_job_does_not_stop_the_others(small_run, tmp_path, monkeypatch, capsys):
@@ -146,7 +147,7 @@ def test_wrong_configuration_names_the_key_and_what_it_may_be(
 def test_output_folder_that_cannot_be_made(tmp_path, monkeypatch, capsys):
     (tmp_path / "file").write_text("")
     assert loopgap(monkeypatch, f"hydra.run.dir={tmp_path}/file/run") == 1
-    assert "can't be used" in capsys.readouterr().err
+    assert "expected a place that can be written; found Not a directory" in capsys.readouterr().err
 
 
 def test_absent_serial_port(tmp_path, monkeypatch, capsys):

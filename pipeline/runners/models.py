@@ -1,7 +1,9 @@
 """Selection, training and compensation of a run."""
 
 import json
+from collections.abc import Iterable
 
+from pipeline.models.loop_model import MODELS
 from pipeline.recording import write_atomically
 from pipeline.runners.run_folder import Run, made
 from pipeline.stages.compensation import compensate
@@ -27,12 +29,20 @@ def run_training(run: Run) -> None:
     """Fit nominal, cw and ccw mixtures of every axis."""
     recordings = run.measured()
     train_cycles, test_cycles = run.split(recordings)
-    chosen = json.loads(run.find("selection/selection.json", "selection").read_text())
-    models = train(run.config.training, recordings, train_cycles, chosen, run.config.seed)
+    models = train(
+        run.config.training, recordings, train_cycles, chosen_k(run, recordings), run.config.seed
+    )
     folder = made(run.folder / "training")
     for axis, model in models.items():
         write_atomically(folder / f"{axis}.json", json.dumps(model.as_json(), indent=1))
     print(f"  cycles {train_cycles} train, {test_cycles} test")
+
+
+def chosen_k(run: Run, axes: Iterable[str]) -> dict[str, dict[str, int]]:
+    """Axis -> model -> K, as selection chose, or as the configuration fixes it."""
+    if run.config.selection.k is not None:
+        return {axis: dict.fromkeys(MODELS, run.config.selection.k) for axis in axes}
+    return json.loads(run.find("selection/selection.json", "selection").read_text())
 
 
 def run_compensation(run: Run) -> None:

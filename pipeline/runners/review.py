@@ -67,11 +67,10 @@ def _axis_review(
 
 def _stored_landings(run: Run) -> dict[str, dict[str, pd.DataFrame]]:
     landings: dict[str, dict[str, pd.DataFrame]] = {}
-    for root in (run.folder, run.earlier):
-        files = sorted((root / "evaluation").glob("landing_*_*.csv")) if root else []
-        for file in files:
-            axis, method = file.stem.removeprefix("landing_").split("_", 1)
-            landings.setdefault(axis, {}).setdefault(method, pd.read_csv(file))
+    root = next((r for r in run.roots("evaluation") if (r / "evaluation").is_dir()), run.folder)
+    for file in sorted((root / "evaluation").glob("landing_*_*.csv")):
+        axis, method = file.stem.removeprefix("landing_").split("_", 1)
+        landings.setdefault(axis, {})[method] = pd.read_csv(file)
     return run.in_order(landings)
 
 

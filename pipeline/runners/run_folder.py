@@ -1,9 +1,11 @@
 """A run: what it was told, the folder that it writes, and what earlier stages left there."""
 
 import json
+import sys
+import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TypeVar
 
@@ -15,23 +17,52 @@ from pipeline.errors import UsageError, refusal
 from pipeline.models.loop_model import LoopModel
 from pipeline.recording import Recording, load_recording
 from pipeline.split import split_cycles
+from pipeline.tracking.hashes import files_matching, hashes_of, matches
+from pipeline.tracking.progress import duration
 
 IMPORTED = "recording"
 T = TypeVar("T")
+PLAIN_EVERY_S = 60.0
+
+
+@dataclass(frozen=True)
+class Kept:
+    """The result of a stage that this run has brought about: name -> hash, and where it lies."""
+
+    hashes: Mapping[str, str]
+    folder: Path
 
 
 @dataclass(frozen=True)
 class Run:
-    """A configuration, the folder that this run writes, and one whose results it may go on from."""
+    """A configuration, the folder that this run writes, and one whose results it may go on from.
+
+    `kept`: what the stages of this run have left so far, by stage.
+    """
 
     config: Config
     folder: Path
     earlier: Path | None = None
+    kept: dict[str, Kept] = field(default_factory=dict)
+
+    def roots(self, stage: str) -> list[Path]:
+        """Where results of a stage may lie, the nearest first."""
+        kept = [self.kept[stage].folder] if stage in self.kept else []
+        return [*kept, self.folder, *([self.earlier] if self.earlier is not None else [])]
+
+    def hashes(self, stage: str, pattern: str) -> dict[str, str]:
+        """Name -> hash of the results of a stage that match, as `find` would find them."""
+        if stage in self.kept:
+            found = self.kept[stage].hashes.items()
+            return {name: value for name, value in found if matches(name, pattern)}
+        head = pattern.partition("/*")[0]
+        root = next((r for r in self.roots(stage) if (r / head).exists()), None)
+        return hashes_of(root, files_matching(root, [pattern])) if root is not None else {}
 
     def find(self, name: str, stage: str) -> Path:
         """Where `name`, a result of `stage`, lies; UsageError says how to come by it."""
-        for root in (self.folder, self.earlier):
-            if root is not None and (root / name).exists():
+        for root in self.roots(stage):
+            if (root / name).exists():
                 return root / name
         raise UsageError(
             refusal(str(self.folder / name), f"what the stage {stage!r} leaves", "nothing",
@@ -42,8 +73,7 @@ class Run:
         """The recording that was named, or else the one that was imported; None without either."""
         if self.config.recording is not None:
             return Path(self.config.recording)
-        roots = [root for root in (self.folder, self.earlier) if root is not None]
-        imported = (root / IMPORTED for root in roots)
+        imported = (root / IMPORTED for root in self.roots("importing"))
         return next((f for f in imported if (f / "recording.json").is_file()), None)
 
     def measured(self) -> dict[str, Recording]:
@@ -89,9 +119,23 @@ def measured_axes(recording: Recording) -> list[str]:
 
 @contextmanager
 def progress_bar(title: str, total: int) -> Iterator[Callable[[int], None]]:
-    """A bar on the terminal; in a plain log a line now and then."""
-    with tqdm(total=total, desc=f"  {title}", mininterval=0.5, maxinterval=5.0, leave=False) as bar:
-        yield lambda count: bar.update(count) and None
+    """A bar on a terminal; in a plain log a line a minute."""
+    on_terminal = sys.stderr.isatty()
+    said_s = began_s = time.monotonic()
+    done = 0
+    with tqdm(total=total, desc=f"  {title}", leave=False, disable=not on_terminal) as bar:
+
+        def tick(count: int) -> None:
+            nonlocal done, said_s
+            done += count
+            bar.update(count)
+            now_s = time.monotonic()
+            if not on_terminal and now_s - said_s > PLAIN_EVERY_S:
+                said_s = now_s
+                left_s = (now_s - began_s) * (total - done) / max(done, 1)
+                print(f"  {title}: {done} of {total}, {duration(left_s)} to go", flush=True)
+
+        yield tick
 
 
 def made(folder: Path) -> Path:

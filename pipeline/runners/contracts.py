@@ -1,0 +1,148 @@
+"""What each stage may look at and what it leaves: the ground on which results are kept and reused.
+
+A stage is a function of the settings and files named here, of its code and of libraries; a setting
+or file that is not named has no say in its result.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+from pipeline.config import Config
+
+if TYPE_CHECKING:
+    from pipeline.runners.run_folder import Run
+
+FRAMES = ("acquisition/*/recording.json", "acquisition/*/samples.*", "acquisition/*/frames/*")
+ANGLES = ("vision/*/recording.json", "vision/*/samples.*")
+MODELS = ("training/*.json",)
+COMMANDS = ("compensation/*.csv",)
+CHOSEN_K = ("selection/selection.json",)
+LABORATORY = ("seed", "acquisition", "robot", "camera", "twin")
+IMPORTED = "recording"
+NO_SAY = ("vision.workers",)
+
+
+@dataclass(frozen=True)
+class Contract:
+    """One stage.
+
+    `runner` is module:function, imported when the stage runs. `settings`: sections or keys of the
+    configuration; `reads`: what it reads of earlier stages; `leaves`: its files and folders; all
+    below the run's folder. `large`: too large to be copied into every job of a sweep.
+    """
+
+    runner: str
+    settings: tuple[str, ...]
+    leaves: tuple[str, ...]
+    reads: tuple[str, ...] = ()
+    large: bool = False
+
+    @property
+    def module(self) -> str:
+        """The module whose code, with all that it imports, decides on the result."""
+        return self.runner.partition(":")[0]
+
+    def function(self) -> "Callable[[Run], None]":
+        """The function that runs the stage."""
+        module, _, name = self.runner.partition(":")
+        return getattr(import_module(module), name)
+
+
+_RUNNERS = "pipeline.runners."
+_CONTRACTS: dict[str, Contract] = {
+    "importing": Contract(f"{_RUNNERS}importing:run_importing", ("importing",), (IMPORTED,)),
+    "acquisition": Contract(
+        f"{_RUNNERS}acquisition:run_acquisition", LABORATORY, ("acquisition",), large=True
+    ),
+    "vision": Contract(
+        f"{_RUNNERS}acquisition:run_vision", ("vision",), ("vision",), FRAMES, large=True
+    ),
+    "selection": Contract(
+        f"{_RUNNERS}models:run_selection",
+        ("selection", "training", "split", "seed", "acquisition.axes"),
+        ("selection",),
+        ANGLES,
+    ),
+    "training": Contract(
+        f"{_RUNNERS}models:run_training",
+        ("selection.k", "training", "split", "seed", "acquisition.axes"),
+        ("training",),
+        (*ANGLES, *CHOSEN_K),
+    ),
+    "compensation": Contract(
+        f"{_RUNNERS}models:run_compensation",
+        ("compensation", "acquisition.axes"),
+        ("compensation",),
+        MODELS,
+    ),
+    "evaluation": Contract(
+        f"{_RUNNERS}evaluation:run_evaluation",
+        ("evaluation", "split", "acquisition.axes"),
+        ("evaluation",),
+        (*ANGLES, *MODELS),
+    ),
+    "diagnosis": Contract(
+        f"{_RUNNERS}diagnosis:run_diagnosis",
+        ("simulation", "diagnosis", "acquisition.axes"),
+        ("diagnosis", "diagnosis.json", "model.json", "report.html", "figures", "diagnosis.rrd",
+         "next_commands*.csv"),
+        ANGLES,
+    ),
+    "prediction": Contract(
+        f"{_RUNNERS}diagnosis:run_prediction", ("recording", "model"), ("predictions.csv",)
+    ),
+    "review": Contract(
+        f"{_RUNNERS}review:run_review",
+        ("selection.criterion", "split", "acquisition.axes"),
+        ("review",),
+        (*FRAMES, "vision/*", "selection/*", *MODELS, "evaluation/*.*", "diagnosis/table.md"),
+    ),
+    "close_the_gap": Contract(
+        f"{_RUNNERS}close_the_gap:run_close_the_gap",
+        (*LABORATORY, "vision", "simulation", "diagnosis", "compensation", "evaluation",
+         "close_the_gap"),
+        ("round-*", "trial", "vision/*_nominal", "vision/*_compensated", "evaluation"),
+    ),
+    "concealed": Contract(
+        f"{_RUNNERS}concealed:run_concealed",
+        ("diagnosis", "concealed"),
+        ("cases", "truth", "results", "score"),
+    ),
+}  # fmt: skip
+
+
+def contract_of(stage: str, config: Config) -> Contract:
+    """The contract of a stage as this configuration makes it."""
+    contract = _CONTRACTS[stage]
+    if stage == "training" and config.selection.k is not None:
+        return replace(contract, reads=ANGLES)
+    if stage == "evaluation" and config.evaluation.trial:
+        return replace(
+            contract,
+            settings=(*contract.settings, *LABORATORY, "vision"),
+            reads=(*contract.reads, *COMMANDS),
+        )
+    return contract
+
+
+def may_be_reused(stage: str, config: Config) -> bool:
+    """Whether the stage would do the same again: a real robot would not, nor may a user's code."""
+    if stage in ("importing", "prediction"):
+        return False  # done in less time than it takes to look
+    if stage in ("diagnosis", "close_the_gap") and config.simulation.kind == "python":
+        return False
+    return simulated(config) or not in_laboratory(stage, config)
+
+
+def in_laboratory(stage: str, config: Config) -> bool:
+    """Whether the stage moves the robot."""
+    trial = stage == "evaluation" and config.evaluation.trial
+    return trial or stage in ("acquisition", "close_the_gap")
+
+
+def simulated(config: Config) -> bool:
+    """Whether the laboratory is emulated in all its parts: robot, cameras and time."""
+    kinds = (config.robot.kind, config.camera.kind, config.acquisition.clock)
+    return kinds == ("emulated", "twin", "simulated")
