@@ -14,15 +14,13 @@ from hydra.types import RunMode
 from omegaconf import DictConfig, OmegaConf
 from omegaconf.errors import OmegaConfBaseException
 
-from pipeline.config import Config, check_config, register_schemas
+from pipeline.collecting import conclude
+from pipeline.config import CONF, Config, check_config, register_schemas
 from pipeline.config_errors import explain
 from pipeline.errors import LoopgapError, UsageError, refusal
 from pipeline.job import Job, run_job
 from pipeline.sweep import SWEEP_DIR, Sweep, going_on, sweep_asked
-from pipeline.tracking.collection import collect
 
-PACKAGE = Path(__file__).resolve().parent
-CONF = PACKAGE / "conf" if (PACKAGE / "conf").is_dir() else PACKAGE.parent / "conf"
 INTERRUPTED = 130
 UNUSABLE = 1
 
@@ -60,7 +58,7 @@ def _run_sweep(sweep: Sweep) -> int:
           f"  {going_on(sys.argv[1:], sweep.folder)}", flush=True)  # fmt: skip
     with sweep.running():
         _hydra_job()
-        return _report_sweep(sweep.folder)
+        return conclude(sweep.folder)
 
 
 @hydra.main(version_base="1.3", config_path=str(CONF), config_name="config")
@@ -88,14 +86,6 @@ def _hydra_job(raw: DictConfig) -> None:
             print(f"when its cause is gone, this goes on:\n  {going_on(sys.argv[1:], folder)}",
                   file=sys.stderr)  # fmt: skip
         raise
-
-
-def _report_sweep(folder: Path) -> int:
-    collection = collect(folder)
-    print(f"\ntable of all jobs: {folder / 'results.md'}")
-    for job in collection.incomplete.itertuples():
-        print(f"job {job.job} {job.status}: {job.error}", file=sys.stderr)
-    return 1 if len(collection.incomplete) else 0
 
 
 def _unusable(error: OSError) -> str:

@@ -1,12 +1,16 @@
 """The schemas of all configuration; `conf/` holds the choices."""
 
 from dataclasses import dataclass, field
+from pathlib import Path
 
 from hydra.core.config_store import ConfigStore
 from omegaconf import MISSING, OmegaConf
 
 from pipeline.config_importing import ImportingConfig
 from pipeline.errors import UsageError, refusal
+
+PACKAGE = Path(__file__).resolve().parent
+CONF = PACKAGE / "conf" if (PACKAGE / "conf").is_dir() else PACKAGE.parent / "conf"
 
 STAGES = (
     "acquisition",
@@ -126,9 +130,13 @@ class SplitConfig:
 
 @dataclass
 class SelectionConfig:
-    """How K is chosen; a number in `k` fixes it."""
+    """How K is chosen; a number in `k` fixes it.
+
+    `scores` are worked out for each K, the criterion's always.
+    """
 
     criterion: str = "bic"
+    scores: list[str] = field(default_factory=lambda: ["bic", "aic", "heldout"])
     k: int | None = None
     k_max: int = 20
     n_init: int = 3

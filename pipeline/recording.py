@@ -213,11 +213,11 @@ def write_head(channels: Sequence[Channel], source: str, folder: Path) -> None:
     write_atomically(folder / "recording.json", json.dumps(head, indent=1))
 
 
-def write_atomically(path: Path, text: str) -> None:
-    """Put `text` in `path` by way of a synced neighbour file and a rename."""
+def write_atomically(path: Path, content: str | bytes) -> None:
+    """Put `content` in `path` by way of a synced neighbour file and a rename; text is UTF-8."""
     neighbour = path.with_name(f".{path.name}.{os.getpid()}.part")
-    with neighbour.open("w", encoding="utf-8", newline="") as file:
-        file.write(text)
+    with neighbour.open("wb") as file:
+        file.write(content.encode() if isinstance(content, str) else content)
         file.flush()
         os.fsync(file.fileno())
     neighbour.replace(path)

@@ -19,6 +19,7 @@ ROOT = Path(__file__).resolve().parents[1]
 SMALL = ["acquisition.cycles=4", "acquisition.steps_per_cycle=40", "selection.k_max=3",
          "compensation.targets=12", "vision.workers=1", "camera.width_px=504",
          "camera.height_px=378"]  # fmt: skip
+BASIC = "hydra/launcher=basic"
 LATER = "stages=[selection,training,compensation,evaluation,review]"
 
 
@@ -92,7 +93,7 @@ def test_a_stage_without_its_input_says_which_stage_makes_it(tmp_path, monkeypat
 
 
 def test_sweep_shares_the_recording_and_leaves_one_table(small_run, tmp_path, monkeypatch):
-    arguments = ["-m", *SMALL, f"earlier={small_run}", f"hydra.sweep.dir={tmp_path}", LATER,
+    arguments = ["-m", *SMALL, BASIC, f"earlier={small_run}", f"hydra.sweep.dir={tmp_path}", LATER,
                  "selection.k=2,3", "split.index=0,1",
                  "compensation/step_rule=armijo,newton", "evaluation.trial=false"]  # fmt: skip
     assert loopgap(monkeypatch, *arguments) == 0
@@ -105,7 +106,7 @@ def test_sweep_shares_the_recording_and_leaves_one_table(small_run, tmp_path, mo
 
 
 def test_second_job_of_a_sweep_uses_the_first_ones_frames(tmp_path, monkeypatch):
-    arguments = ["-m", *SMALL, "acquisition.cycles=1", f"hydra.sweep.dir={tmp_path}",
+    arguments = ["-m", *SMALL, BASIC, "acquisition.cycles=1", f"hydra.sweep.dir={tmp_path}",
                  "stages=[acquisition,vision]", "training.n_init=1,2"]  # fmt: skip
     assert loopgap(monkeypatch, *arguments) == 1  # no metrics: listed as incomplete
     assert (tmp_path / "0" / "vision").is_dir()
@@ -114,7 +115,7 @@ def test_second_job_of_a_sweep_uses_the_first_ones_frames(tmp_path, monkeypatch)
 
 
 def test_a_failed_job_does_not_stop_the_others(small_run, tmp_path, monkeypatch, capsys):
-    arguments = ["-m", *SMALL, f"earlier={small_run}", f"hydra.sweep.dir={tmp_path}", LATER,
+    arguments = ["-m", *SMALL, BASIC, f"earlier={small_run}", f"hydra.sweep.dir={tmp_path}", LATER,
                  "selection.k=2,9999", "evaluation.trial=false"]  # fmt: skip
     assert loopgap(monkeypatch, *arguments) == 1
     results = pd.read_csv(tmp_path / "results.csv")

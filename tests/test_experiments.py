@@ -7,7 +7,7 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from pipeline import app
+from pipeline import app, collecting
 from pipeline.recording import load_recording
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -55,3 +55,38 @@ def test_concealed_effects_are_found_and_the_seals_hold(tmp_path, monkeypatch):
     for name in ("requirements", "confusion", "calibration", "effects"):
         assert (tmp_path / "score" / f"{name}.md").stat().st_size > 50
     assert (tmp_path / "score" / "confusion.png").stat().st_size > 5000
+
+
+STUDY = [*SMALL_IMAGES, "acquisition.cycles=5", "acquisition.steps_per_cycle=40",
+         "selection.n_init=1", "training.n_init=1", "compensation.targets=8",
+         "hydra/launcher=basic"]  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def kept_results(tmp_path_factory) -> str:
+    """A folder in which the studies find each other's recordings."""
+    return str(tmp_path_factory.mktemp("kept"))
+
+
+@pytest.mark.parametrize(
+    ("study", "jobs", "cells"),
+    [
+        (["experiment=paper_table", "seed=0", "split.index=0,3,9", "selection.k_max=2"], 3, 10),
+        (["experiment=splits", "split.index=0,3", "selection.k_max=2"], 2, 10),
+        (["experiment=k_sweep", "selection.k=1,2", "split.index=0,1"], 4, 44),
+        (["experiment=step_rules", "selection.k_max=2", "split.index=0", "evaluation.trial=false",
+          "compensation/step_rule=newton,armijo"], 2, 16),
+    ],
+)  # fmt: skip
+def test_a_study_leaves_its_table(study, jobs, cells, kept_results, tmp_path, monkeypatch):
+    table = tmp_path / "tables" / study[0].removeprefix("experiment=")
+    monkeypatch.setenv("LOOPGAP_CACHE", kept_results)
+    assert loopgap(monkeypatch, "-m", *study, *STUDY, f"hydra.sweep.dir={tmp_path}") == 0
+    results = pd.read_parquet(tmp_path / "results.parquet")
+    assert results["job"].nunique() == jobs
+    shown = pd.read_csv(table / "table.csv", comment="#")
+    assert len(shown) == cells
+    trial = shown["metric"].str.startswith("landing")  # not run at this size
+    assert shown.loc[~trial, "mean"].notna().all()
+    assert (shown.loc[~trial, "n"] == shown["n"].max()).all()
+    assert collecting.run([str(tmp_path), "--check"]) == 0

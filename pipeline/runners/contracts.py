@@ -81,7 +81,7 @@ _CONTRACTS: dict[str, Contract] = {
         f"{_RUNNERS}evaluation:run_evaluation",
         ("evaluation", "split", "acquisition.axes"),
         ("evaluation",),
-        (*ANGLES, *MODELS),
+        (*ANGLES, *MODELS, *COMMANDS),
     ),
     "diagnosis": Contract(
         f"{_RUNNERS}diagnosis:run_diagnosis",
@@ -122,7 +122,6 @@ def contract_of(stage: str, config: Config) -> Contract:
         return replace(
             contract,
             settings=(*contract.settings, *LABORATORY, "vision"),
-            reads=(*contract.reads, *COMMANDS),
         )
     return contract
 

@@ -24,8 +24,11 @@ def run_evaluation(run: Run) -> None:
         axis: predict_cycles(models[axis], recording, test_cycles)
         for axis, recording in recordings.items()
     }
-    landings = _trials(run) if run.config.evaluation.trial else {}
-    evaluation = evaluate(run.config.evaluation, predictions, landings)
+    if run.config.evaluation.trial:
+        run.find("compensation", "compensation")
+    commands = _commands(run)
+    landings = _trials(run, commands) if run.config.evaluation.trial else {}
+    evaluation = evaluate(run.config.evaluation, predictions, landings, commands)
     folder = made(run.folder / "evaluation")
     write_atomically(folder / "metrics.csv", evaluation.metrics.to_csv(index=False))
     write_table(evaluation.table, folder, "table")
@@ -38,21 +41,31 @@ def run_evaluation(run: Run) -> None:
             write_atomically(folder / f"landing_{axis}_{method}.csv", landing.to_csv(index=False))
 
 
-def _trials(run: Run) -> dict[str, dict[str, pd.DataFrame]]:
+def _commands(run: Run) -> dict[str, dict[str, pd.DataFrame]]:
+    """What compensation left, axis -> method -> its commands; nothing where it was not run."""
+    folder = run.left("compensation", "compensation")
+    files = {} if folder is None else {f.stem: f for f in sorted(folder.glob("*.csv"))}
+    return {
+        axis: {str(m): part for m, part in pd.read_csv(file).groupby("method", sort=False)}
+        for axis, file in run.in_order(files).items()
+    }
+
+
+def _trials(
+    run: Run, commands: dict[str, dict[str, pd.DataFrame]]
+) -> dict[str, dict[str, pd.DataFrame]]:
     """Each axis and method on the robot: axis -> method -> where it landed (`land`)."""
     parent = fresh(run.folder / "evaluation", "trial")
     landings: dict[str, dict[str, pd.DataFrame]] = {}
-    files = {f.stem: f for f in sorted(run.find("compensation", "compensation").glob("*.csv"))}
-    for number, (axis, file) in enumerate(run.in_order(files).items()):
-        table = pd.read_csv(file)
+    for number, (axis, of_methods) in enumerate(commands.items()):
         landings[axis] = {}
-        for method, solutions in table.groupby("method", sort=False):
-            commands = trial_commands(run.config, axis, solutions)
+        for method, solutions in of_methods.items():
+            sent = trial_commands(run.config, axis, solutions)
             name = f"{axis}_{method}"
             with open_laboratory(run.config, [axis], run.config.seed + TRIAL_SEED + number) as lab:
-                record(run, lab, commands, [axis], parent / name)
+                record(run, lab, sent, [axis], parent / name)
             seen = see(run, parent / name, parent / "vision" / name)
-            landings[axis][str(method)] = landing(parent, name, axis, solutions, seen)
+            landings[axis][method] = landing(parent, name, axis, solutions, seen)
     return landings
 
 

@@ -7,7 +7,7 @@ from pipeline.models.loop_model import MODELS
 from pipeline.recording import write_atomically
 from pipeline.runners.run_folder import Run, made
 from pipeline.stages.compensation import compensate
-from pipeline.stages.selection import select
+from pipeline.stages.selection import select, selection_metrics
 from pipeline.stages.training import train
 
 
@@ -20,6 +20,8 @@ def run_selection(run: Run) -> None:
     )
     folder = made(run.folder / "selection")
     write_atomically(folder / "selection.csv", selection.table.to_csv(index=False))
+    metrics = selection_metrics(selection)
+    write_atomically(folder / "metrics.csv", metrics.to_csv(index=False))
     write_atomically(folder / "selection.json", json.dumps(selection.chosen, indent=1))
     for axis, chosen in selection.chosen.items():
         print(f"  {axis}: " + ", ".join(f"{model} K = {k}" for model, k in chosen.items()))

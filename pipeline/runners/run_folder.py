@@ -61,13 +61,17 @@ class Run:
 
     def find(self, name: str, stage: str) -> Path:
         """Where `name`, a result of `stage`, lies; UsageError says how to come by it."""
-        for root in self.roots(stage):
-            if (root / name).exists():
-                return root / name
-        raise UsageError(
-            refusal(str(self.folder / name), f"what the stage {stage!r} leaves", "nothing",
-                    f"Add {stage!r} to `stages`, or name the run that did it: earlier=RUN_DIR.")
-        )  # fmt: skip
+        found = self.left(name, stage)
+        if found is None:
+            raise UsageError(
+                refusal(str(self.folder / name), f"what the stage {stage!r} leaves", "nothing",
+                        f"Add {stage!r} to `stages`, or name the run that did it: earlier=RUN_DIR.")
+            )  # fmt: skip
+        return found
+
+    def left(self, name: str, stage: str) -> Path | None:
+        """Where `name`, a result of `stage`, lies; None if it was not brought about."""
+        return next((r / name for r in self.roots(stage) if (r / name).exists()), None)
 
     def given_recording(self) -> Path | None:
         """The recording that was named, or else the one that was imported; None without either."""

@@ -21,7 +21,7 @@ NORMAL_95 = 1.959964
 COMMAND_TOLERANCE_DEG = 1e-6
 JUDGES = {"camera": "measured_deg", "true": "true_deg"}
 
-Row = tuple[str, str, str, float, str, int]
+Row = tuple[str, str, int | None, str, float, str, int]
 
 
 @dataclass(frozen=True)
@@ -37,19 +37,28 @@ def evaluate(
     config: EvaluationConfig,
     predictions: Mapping[str, pd.DataFrame],
     landings: Mapping[str, Mapping[str, pd.DataFrame]],
+    commands: Mapping[str, Mapping[str, pd.DataFrame]] | None = None,
 ) -> Evaluation:
     """Score every axis's predictions (`predict_cycles`) and landings (axis -> method -> `land`).
 
-    `n` is the number of samples that a value stands on; samples without a measurement are counted
-    in the metric `not_measured` of their method.
+    A prediction is scored as a whole (no `cycle`) and for each of its cycles. `commands`, axis ->
+    method -> a part of `command_table`, is scored without a robot; where it is not given, what is
+    known of the landings' commands. `n` is the number of samples that a value stands on; samples
+    without a measurement are counted in the metric `not_measured` of their method.
     """
     tip_mm = config.tip_length_mm
     rows: list[Row] = []
     for axis, prediction in predictions.items():
-        rows += _model_rows(axis, prediction, tip_mm)
+        rows += _model_rows(axis, None, prediction, tip_mm)
+        for cycle in prediction["cycle"].unique().tolist():
+            part = prediction[prediction["cycle"] == cycle]
+            rows += _model_rows(axis, cycle, part, tip_mm)
     for axis, of_methods in landings.items():
         rows += _landing_rows(axis, of_methods, tip_mm)
-    metrics = pd.DataFrame(rows, columns=list(METRIC_COLUMNS))
+    for axis, of_methods in (landings if commands is None else commands).items():
+        for method, table in of_methods.items():
+            rows += command_rows(axis, method, table)
+    metrics = pd.DataFrame(rows, columns=list(METRIC_COLUMNS)).astype({"cycle": "Int64"})
     return Evaluation(metrics, paper_table(metrics), closed_loop_table(metrics))
 
 
@@ -144,7 +153,7 @@ def shortest_travel_deg(target_deg: np.ndarray, command_deg: np.ndarray) -> floa
     return travel_deg(command[np.unique([0, *turns, len(command) - 1])])
 
 
-def _model_rows(axis: str, table: pd.DataFrame, tip_mm: float) -> list[Row]:
+def _model_rows(axis: str, cycle: int | None, table: pd.DataFrame, tip_mm: float) -> list[Row]:
     measured = table["measured_deg"].to_numpy(float)
     n = int(np.isfinite(measured).sum())
     rows: list[Row] = []
@@ -155,13 +164,13 @@ def _model_rows(axis: str, table: pd.DataFrame, tip_mm: float) -> list[Row]:
         covered = 100.0 * float(inside.sum()) / n if n else float("nan")
         rmse_deg[method] = rms(error)
         rows += [
-            (axis, method, "model_rmse", rmse_deg[method], "deg", n),
-            (axis, method, "model_tip_rmse", rms(tip_error_um(error, tip_mm)), "um", n),
-            (axis, method, "model_coverage_95", covered, "%", n),
-            (axis, method, "model_not_measured", len(error) - n, "samples", len(error)),
+            (axis, method, cycle, "model_rmse", rmse_deg[method], "deg", n),
+            (axis, method, cycle, "model_tip_rmse", rms(tip_error_um(error, tip_mm)), "um", n),
+            (axis, method, cycle, "model_coverage_95", covered, "%", n),
+            (axis, method, cycle, "model_not_measured", len(error) - n, "samples", len(error)),
         ]
     gained = improvement_percent(rmse_deg["nominal"], rmse_deg["compensated"])
-    return [*rows, (axis, "compensated", "model_improvement", gained, "%", n)]
+    return [*rows, (axis, "compensated", cycle, "model_improvement", gained, "%", n)]
 
 
 def _landing_rows(axis: str, landings: Mapping[str, pd.DataFrame], tip_mm: float) -> list[Row]:
@@ -173,29 +182,39 @@ def _landing_rows(axis: str, landings: Mapping[str, pd.DataFrame], tip_mm: float
             if n == 0:
                 continue
             tip_um = rms(tip_error_um(error, tip_mm))
-            rows.append((axis, method, f"landing_rmse_{judge}", rms(error), "deg", n))
-            rows.append((axis, method, f"landing_tip_rmse_{judge}", tip_um, "um", n))
+            rows.append((axis, method, None, f"landing_rmse_{judge}", rms(error), "deg", n))
+            rows.append((axis, method, None, f"landing_tip_rmse_{judge}", tip_um, "um", n))
             if method != "nominal" and "nominal" in landings:
                 before = rms(_landing_error(landings["nominal"], judge))
                 gained = improvement_percent(before, rms(error))
-                rows.append((axis, method, f"landing_improvement_{judge}", gained, "%", n))
-        rows += _command_rows(axis, method, landing)
+                rows.append((axis, method, None, f"landing_improvement_{judge}", gained, "%", n))
+        missing = int(landing["measured_deg"].isna().sum())
+        rows.append((axis, method, None, "landing_not_measured", missing, "targets", len(landing)))
     return rows
 
 
-def _command_rows(axis: str, method: str, landing: pd.DataFrame) -> list[Row]:
-    target = landing["target_deg"].to_numpy(float)
-    command = landing["command_deg"].to_numpy(float)
-    n = len(landing)
-    missing = int(landing["measured_deg"].isna().sum())
-    shortest = shortest_travel_deg(target, command)
-    counts = landing["status"].value_counts().sort_index()
-    return [
-        (axis, method, "landing_not_measured", missing, "targets", n),
-        (axis, method, "commanded_travel", travel_deg(command), "deg", n),
-        (axis, method, "shortest_travel", shortest, "deg", n),
-        *((axis, method, f"targets_{name}", int(k), "targets", n) for name, k in counts.items()),
+def command_rows(axis: str, method: str, table: pd.DataFrame) -> list[Row]:
+    """What commands cost: travel, statuses and, where the search is told, iterations and error.
+
+    `table` has target_deg, command_deg (NaN where none was found) and status; `inverse_rmse` is of
+    model_deg against target_deg over the targets that have a command.
+    """
+    target = table["target_deg"].to_numpy(float)
+    command = table["command_deg"].to_numpy(float)
+    n = len(table)
+    counts = table["status"].value_counts().sort_index()
+    rows: list[Row] = [
+        (axis, method, None, "commanded_travel", travel_deg(command), "deg", n),
+        (axis, method, None, "shortest_travel", shortest_travel_deg(target, command), "deg", n),
+        *((axis, method, None, f"targets_{k}", int(v), "targets", n) for k, v in counts.items()),
     ]
+    if {"model_deg", "iterations"} <= set(table):
+        error = table["model_deg"].to_numpy(float) - target
+        found = int(np.isfinite(error).sum())
+        iterations = float(table["iterations"].mean())
+        rows.append((axis, method, None, "inverse_rmse", rms(error), "deg", found))
+        rows.append((axis, method, None, "inverse_iterations", iterations, "a target", n))
+    return rows
 
 
 def _landing_error(landing: pd.DataFrame, judge: str) -> np.ndarray:
@@ -256,8 +275,9 @@ def closed_loop_table(metrics: pd.DataFrame) -> pd.DataFrame:
 
 
 def _lookup(metrics: pd.DataFrame) -> Callable[[str, str, str], float]:
-    keys = zip(metrics["axis"], metrics["method"], metrics["metric"], strict=True)
-    values = dict(zip(keys, metrics["value"], strict=True))
+    pooled = metrics[metrics["cycle"].isna()]
+    keys = zip(pooled["axis"], pooled["method"], pooled["metric"], strict=True)
+    values = dict(zip(keys, pooled["value"], strict=True))
     return lambda axis, method, metric: float(values.get((axis, method, metric), float("nan")))
 
 

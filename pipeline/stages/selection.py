@@ -14,6 +14,7 @@ from pipeline.errors import LoopgapError, UsageError, refusal
 from pipeline.models.loop_model import MODELS, BranchSamples, branch_samples
 from pipeline.models.mixture import MixtureError, MixtureRegression, largest_k
 from pipeline.recording import Recording
+from pipeline.tracking.tables import METRIC_COLUMNS
 
 COLUMNS = ("axis", "model", "k", "bic", "aic", "heldout_rmse_deg")
 CRITERIA = {"bic": "bic", "aic": "aic", "heldout": "heldout_rmse_deg"}
@@ -25,8 +26,8 @@ AS_GOOD = 1.01
 class Selection:
     """`table`: a row (`COLUMNS`) for each axis, model and K; `chosen`: axis -> model -> K.
 
-    Scores are empty (NaN) for a K that the samples don't allow; the held-out error also where
-    fewer than two cycles train.
+    Scores are empty (NaN) for a K that the samples don't allow, and where nobody asks for them;
+    the held-out error also where fewer than two cycles train.
     """
 
     table: pd.DataFrame
@@ -58,11 +59,29 @@ def select(
     return Selection(table, {axis: _choose(table, axis, config) for axis in recordings})
 
 
+def selection_metrics(selection: Selection) -> pd.DataFrame:
+    """The chosen K of each axis and model (as `method`) and its scores, in `METRIC_COLUMNS`."""
+    rows = [
+        (row["axis"], row["model"], None, metric, value, unit, None)
+        for row in selection.table.to_dict("records")
+        if row["k"] == selection.chosen[row["axis"]][row["model"]]
+        for metric, value, unit in (
+            ("chosen_k", row["k"], "Gaussians"),
+            ("bic", row["bic"], "1"),
+            ("aic", row["aic"], "1"),
+            ("heldout_rmse", row["heldout_rmse_deg"], "deg"),
+        )
+    ]
+    table = pd.DataFrame(rows, columns=list(METRIC_COLUMNS)).dropna(subset=["value"])
+    return table.astype({"cycle": "Int64", "n": "Int64"})
+
+
 def _scores(
     name: str, samples: BranchSamples, config: SelectionConfig, training: TrainingConfig, seed: int
 ) -> Iterator[tuple[int, tuple[float, float, float]]]:
     """Each candidate K with its BIC, AIC and held-out RMSE [deg]."""
     allowed = max(1, largest_k(int(np.isfinite(samples.angle_deg).sum())))
+    asked = {config.criterion, *config.scores}
     candidates = range(1, config.k_max + 1) if config.k is None else [config.k]
     for k in candidates:
         if config.k is None and k > allowed:
@@ -74,8 +93,15 @@ def _scores(
             )
         except MixtureError as error:
             raise MixtureError(f"{name}: {error}") from error
-        heldout = heldout_rmse_deg(samples, k, training, seed)
-        yield k, (fitted.bic(), fitted.aic(), heldout)
+        heldout = heldout_rmse_deg(samples, k, training, seed) if "heldout" in asked else np.nan
+        yield (
+            k,
+            (
+                fitted.bic() if "bic" in asked else np.nan,
+                fitted.aic() if "aic" in asked else np.nan,
+                heldout,
+            ),
+        )
 
 
 def heldout_rmse_deg(samples: BranchSamples, k: int, training: TrainingConfig, seed: int) -> float:
@@ -104,6 +130,12 @@ def _check(config: SelectionConfig) -> None:
         raise UsageError(
             refusal("selection.criterion", f"one of {', '.join(CRITERIA)}",
                     repr(config.criterion), "Choose one of them.")
+        )  # fmt: skip
+    unknown = sorted(set(config.scores) - set(CRITERIA))
+    if unknown:
+        raise UsageError(
+            refusal("selection.scores", f"some of {', '.join(CRITERIA)}", repr(unknown[0]),
+                    "Choose among them.")
         )  # fmt: skip
     if config.k_max < 1:
         raise UsageError(

@@ -1,126 +1,133 @@
-"""Collection: one table over the jobs of a sweep.
+"""Collection: one long table over the jobs of a sweep, and how to come by what it lacks."""
 
-A job's folder holds `job.json`, {"overrides": {key: value}, "status": "done" | "failed",
-"error": text or null}, and `evaluation/metrics.csv` when it got that far.
-"""
-
-import json
-import re
+import shlex
 from dataclasses import dataclass
+from io import BytesIO
 from pathlib import Path
-from typing import Any
 
 import pandas as pd
 
-from pipeline.errors import UsageError, refusal
 from pipeline.recording import write_atomically
+from pipeline.tracking.jobs import DONE, ORIGIN, Job, read_jobs
+from pipeline.tracking.planned import settings
 from pipeline.tracking.tables import METRIC_COLUMNS, markdown
 
-JOB_FILE = "job.json"
-INCOMPLETE_COLUMNS = ["job", "status", "error"]
-HEADLINES = {"model_rmse": "model", "landing_rmse_camera": "landing"}
-METRICS_FILE = Path("evaluation") / "metrics.csv"
+RESULTS_FILE = "results.parquet"
+REPEAT_FILE = "repeat.sh"
+INCOMPLETE_COLUMNS = ["job", "status", "error", "command"]
+SUMMARY_KEYS = ["axis", "method", "metric", "unit"]
 
 
 @dataclass(frozen=True)
 class Collection:
-    """`results`: job, overrides, then `METRIC_COLUMNS`; `incomplete`: job, status, error."""
+    """All that a sweep left.
+
+    `results`: a row for each job and number: job, its overrides, `ORIGIN`, what a stage varied
+    within a job, then `METRIC_COLUMNS`. `jobs`: job, status, error and the overrides of every job
+    that was planned or found. `incomplete`: job, status, error and the command that repeats it.
+    """
 
     results: pd.DataFrame
+    jobs: pd.DataFrame
     incomplete: pd.DataFrame
-
-    def results_wide(self) -> pd.DataFrame:
-        """The root-mean-square errors alone, a row for each job and axis, a column for each."""
-        chosen = self.results[self.results["metric"].isin(HEADLINES)]
-        keys = [c for c in self.results.columns if c not in METRIC_COLUMNS] + ["axis"]
-        rows: dict[tuple[object, ...], dict[str, object]] = {}
-        for record in chosen.to_dict("records"):
-            row = rows.setdefault(tuple(record[k] for k in keys), {k: record[k] for k in keys})
-            row[f"{record['method']} {HEADLINES[record['metric']]} [deg]"] = record["value"]
-        return pd.DataFrame(list(rows.values()), columns=None if rows else keys)
 
 
 def collect(sweep: Path) -> Collection:
-    """Gather the jobs below `sweep` and write results.csv, results.md there, whole each time.
+    """Gather the jobs below `sweep` and write what was found there, whole each time.
 
-    Jobs stand in natural order of their folders (2 before 10). A job that failed, or that left no
-    metrics, is listed as incomplete instead of dropped. UsageError if there is no job at all.
+    results.parquet and results.csv (`Collection.results`), results.md (what is there and what is
+    not), repeat.sh (the commands that repeat the incomplete jobs; none if there are none). A job
+    that failed, was never started or left no numbers is listed, never dropped. UsageError if there
+    is no job at all.
     """
-    jobs = _job_folders(sweep)
-    tables: list[pd.DataFrame] = []
-    incomplete: list[dict[str, str]] = []
-    for folder in jobs:
-        name = folder.relative_to(sweep).as_posix()
-        job, problem = _read_job(folder)
-        metrics, lack = _read_metrics(folder) if problem is None else (None, problem)
-        if metrics is None:
-            status = str(job.get("status", "unreadable"))
-            incomplete.append({"job": name, "status": status, "error": str(lack)})
-            continue
-        overrides = job.get("overrides") or {}
-        columns = {"job": name} | {key: _shown(overrides[key]) for key in sorted(overrides)}
-        tables.append(pd.DataFrame([columns] * len(metrics)).join(metrics))
-    collection = Collection(_stacked(tables), pd.DataFrame(incomplete, columns=INCOMPLETE_COLUMNS))
+    collection = gather(sweep)
+    write_atomically(sweep / RESULTS_FILE, parquet(collection.results))
     write_atomically(sweep / "results.csv", collection.results.to_csv(index=False))
-    write_atomically(sweep / "results.md", _report(collection, len(jobs)))
+    write_atomically(sweep / "results.md", _report(collection))
+    if len(collection.incomplete):
+        write_atomically(sweep / REPEAT_FILE, _repeat(sweep, collection.incomplete))
+    else:
+        (sweep / REPEAT_FILE).unlink(missing_ok=True)
     return collection
 
 
-def _job_folders(sweep: Path) -> list[Path]:
-    folders = [path.parent for path in sweep.glob(f"*/{JOB_FILE}")] if sweep.is_dir() else []
-    if not folders:
-        raise UsageError(
-            refusal(str(sweep), f"job folders with {JOB_FILE}", "none",
-                    "Name the folder that a multirun wrote.")
-        )  # fmt: skip
-    return sorted(folders, key=lambda folder: _natural(folder.relative_to(sweep).as_posix()))
+def gather(sweep: Path) -> Collection:
+    """What `collect` finds, without writing anything."""
+    jobs = read_jobs(sweep)
+    overrides = _typed(pd.DataFrame([settings(job.overrides) for job in jobs]))
+    heads = pd.DataFrame([(j.name, j.status, j.error) for j in jobs],
+                         columns=["job", "status", "error"]).join(overrides)  # fmt: skip
+    done = [job for job in jobs if job.status == DONE and job.metrics is not None]
+    incomplete = [
+        (job.name, job.status, job.error, command(job, sweep)) for job in jobs if job not in done
+    ]
+    return Collection(
+        _stacked(done, heads.drop(columns=["status", "error"])),
+        heads,
+        pd.DataFrame(incomplete, columns=INCOMPLETE_COLUMNS),
+    )
 
 
-def _natural(name: str) -> list[tuple[int, str]]:
-    parts = re.findall(r"\d+|\D+", name)
-    return [(int(part), "") if part.isdigit() else (-1, part) for part in parts]
+def command(job: Job, sweep: Path) -> str:
+    """The command that runs just this job, into its place in the sweep."""
+    place = (sweep / job.name).resolve()
+    return shlex.join(["loopgap", *job.overrides, f"hydra.run.dir={place}"])
 
 
-def _read_job(folder: Path) -> tuple[dict[str, Any], str | None]:
-    try:
-        job = json.loads((folder / JOB_FILE).read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
-        return {}, f"{JOB_FILE}: {error}"
-    if not isinstance(job, dict):
-        return {}, f"{JOB_FILE}: expected an object; found {type(job).__name__}"
-    if job.get("status") != "done":
-        return job, str(job.get("error") or "did not finish")
-    return job, None
+def parquet(table: pd.DataFrame) -> bytes:
+    """The table as a parquet file, the same bytes for the same table."""
+    buffer = BytesIO()
+    table.to_parquet(buffer, index=False)
+    return buffer.getvalue()
 
 
-def _read_metrics(folder: Path) -> tuple[pd.DataFrame | None, str | None]:
-    try:
-        metrics = pd.read_csv(folder / METRICS_FILE)
-    except (OSError, ValueError) as error:
-        return None, f"{METRICS_FILE.as_posix()}: {error}"
-    missing = [name for name in METRIC_COLUMNS if name not in metrics]
-    if missing:
-        return None, f"{METRICS_FILE.as_posix()}: no column {', '.join(missing)}"
-    return metrics[list(METRIC_COLUMNS)], None
+def _typed(overrides: pd.DataFrame) -> pd.DataFrame:
+    """Columns of text as numbers where all that is there are numbers."""
+    for key in overrides:
+        numbers = pd.to_numeric(overrides[key], errors="coerce")
+        if numbers.notna().equals(overrides[key].notna()):
+            overrides[key] = numbers.convert_dtypes()
+    return overrides[sorted(overrides.columns)]
 
 
-def _shown(value: object) -> object:
-    return value if isinstance(value, str | int | float | bool) else json.dumps(value)
-
-
-def _stacked(tables: list[pd.DataFrame]) -> pd.DataFrame:
+def _stacked(done: list[Job], heads: pd.DataFrame) -> pd.DataFrame:
+    tables = [
+        job.metrics.assign(job=job.name, **job.origin) for job in done if job.metrics is not None
+    ]
+    head = [*heads.columns, *ORIGIN]
     if not tables:
-        return pd.DataFrame(columns=["job", *METRIC_COLUMNS])
-    stacked = pd.concat(tables, ignore_index=True)
-    overrides = sorted(set(stacked.columns) - {"job", *METRIC_COLUMNS})
-    return stacked[["job", *overrides, *METRIC_COLUMNS]]
+        return pd.DataFrame(columns=[*head, *METRIC_COLUMNS])
+    stacked = pd.concat(tables, ignore_index=True).merge(heads, on="job", how="left")
+    varied = [c for c in stacked if c not in {*head, *METRIC_COLUMNS}]
+    return stacked[[*head, *varied, *METRIC_COLUMNS]]
 
 
-def _report(collection: Collection, jobs: int) -> str:
-    done = jobs - len(collection.incomplete)
-    parts = [f"# {done} of {jobs} jobs\n"]
-    if len(collection.incomplete):
-        parts.append(f"## Incomplete\n\n{markdown(collection.incomplete)}")
-    parts.append(f"## Root-mean-square errors\n\n{markdown(collection.results_wide())}")
-    parts.append(f"## All results\n\n{markdown(collection.results)}")
+def _report(collection: Collection) -> str:
+    jobs, lacking = len(collection.jobs), collection.incomplete
+    parts = [f"# {jobs - len(lacking)} of {jobs} jobs\n"]
+    if len(lacking):
+        parts.append(
+            f"## Incomplete\n\n{markdown(lacking)}\n`sh {REPEAT_FILE}` repeats just these.\n"
+        )
+    parts.append(f"## All jobs together\n\n{markdown(_summary(collection.results))}")
+    parts.append(f"Every number: {RESULTS_FILE}, results.csv ({len(collection.results)} rows).\n")
     return "\n".join(parts)
+
+
+def _summary(results: pd.DataFrame) -> pd.DataFrame:
+    """Mean, deviation and number over the jobs of each number that is not of a single cycle."""
+    varied = [c for c in results.columns[list(results.columns).index(ORIGIN[-1]) + 1 :]
+              if c not in METRIC_COLUMNS]  # fmt: skip
+    pooled = results[results["cycle"].isna()]
+    groups = pooled.groupby([*varied, *SUMMARY_KEYS], sort=False, dropna=False)["value"]
+    return groups.agg(mean="mean", deviation="std", n="count").reset_index()
+
+
+def _repeat(sweep: Path, incomplete: pd.DataFrame) -> str:
+    lines = [
+        "#!/bin/sh",
+        "# Repeats the jobs that are missing; begin it where the sweep was begun.",
+        *incomplete["command"],
+        shlex.join(["loopgap-collect", str(sweep.resolve())]),
+    ]
+    return "\n".join(lines) + "\n"

@@ -7,9 +7,12 @@ import pandas as pd
 
 from pipeline.recording import write_atomically
 
-METRIC_COLUMNS = ("axis", "method", "metric", "value", "unit", "n")
+METRIC_COLUMNS = ("axis", "method", "cycle", "metric", "value", "unit", "n")
 DECIMALS = {"[deg]": 3, "[um]": 1, "[%]": 1}
-LATEX_SPECIAL = str.maketrans({"%": r"\%", "_": r"\_", "&": r"\&", "#": r"\#", "$": r"\$"})
+LATEX_SPECIAL = str.maketrans(
+    {"%": r"\%", "_": r"\_", "&": r"\&", "#": r"\#", "$": r"\$", "{": r"\{", "}": r"\}",
+     "\\": r"\textbackslash{}", "~": r"\textasciitilde{}", "^": r"\textasciicircum{}"}
+)  # fmt: skip
 ABSENT = "–"
 
 
@@ -54,11 +57,16 @@ def plain(table: pd.DataFrame) -> str:
 def latex(table: pd.DataFrame) -> str:
     """The table as a LaTeX tabular with booktabs rules; `um` becomes a micrometre."""
     right = _numeric(table)
-    columns = [str(c).translate(LATEX_SPECIAL).replace("[um]", r"[$\mu$m]") for c in table.columns]
-    body = [[cell.translate(LATEX_SPECIAL).replace(ABSENT, "--") for cell in row]
-            for row in _cells(table)]  # fmt: skip
+    columns = [latex_text(str(c)) for c in table.columns]
+    body = [[latex_text(cell) for cell in row] for row in _cells(table)]
     styler = pd.DataFrame(body, columns=columns).style.hide(axis="index")
     return styler.to_latex(hrules=True, column_format="".join("r" if r else "l" for r in right))
+
+
+def latex_text(text: str) -> str:
+    """Text as LaTeX sets it as it is."""
+    escaped = text.translate(LATEX_SPECIAL).replace(ABSENT, "--")
+    return escaped.replace("[um]", r"[$\mu$m]").replace("±", r"$\pm$")
 
 
 def _cells(table: pd.DataFrame) -> list[list[str]]:

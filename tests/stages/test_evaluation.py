@@ -27,6 +27,7 @@ def predictions(nominal_error: float, compensated_error: float, n: int = 50) -> 
     sign = np.where(np.arange(n) % 2 == 0, 1.0, -1.0)
     return pd.DataFrame(
         {
+            "cycle": np.arange(n) // (n // 2),
             "measured_deg": angle,
             "nominal_deg": angle - nominal_error * sign,
             "nominal_std_deg": 1.0,
@@ -50,6 +51,7 @@ def landing(error_deg: float, command_deg: np.ndarray, status: str = "converged"
 
 def value(metrics: pd.DataFrame, axis: str, method: str, metric: str) -> float:
     found = metrics.query("axis == @axis and method == @method and metric == @metric")
+    found = found[found["cycle"].isna()]
     assert len(found) == 1
     return float(found["value"].iloc[0])
 
@@ -126,6 +128,28 @@ def test_known_errors_come_out_as_metrics_and_table() -> None:
     assert_allclose(result.closed_loop["travel [deg]"], result.closed_loop["shortest [deg]"])
 
 
+def test_every_test_cycle_is_scored_beside_the_whole() -> None:
+    table = predictions(2.0, 0.5)
+    table.loc[table["cycle"] == 1, "nominal_deg"] = table["measured_deg"] + 1.0
+    metrics = evaluate(EvaluationConfig(), {"yaw": table}, {}).metrics
+    nominal = metrics.query("metric == 'model_rmse' and method == 'nominal'")
+    assert nominal["cycle"].tolist() == [pd.NA, 0, 1]
+    assert nominal["n"].tolist() == [50, 25, 25]
+    assert_allclose(nominal["value"], [np.sqrt(2.5), 2.0, 1.0])
+    gained = metrics.query("metric == 'model_improvement'").set_index("cycle")["value"]
+    assert_allclose(gained[[0, 1]], [75.0, 50.0])
+
+
+def test_a_search_is_scored_without_a_robot() -> None:
+    found = landing(0.0, 1.5 * TARGETS).drop(columns=["measured_deg", "true_deg"])
+    found = found.assign(model_deg=TARGETS + 0.1, iterations=[1, 2, 3, 4, 5, 6, 7])
+    metrics = evaluate(EvaluationConfig(), {}, {}, {"yaw": {"compensated": found}}).metrics
+    assert_allclose(value(metrics, "yaw", "compensated", "inverse_rmse"), 0.1)
+    assert_allclose(value(metrics, "yaw", "compensated", "inverse_iterations"), 4.0)
+    assert_allclose(value(metrics, "yaw", "compensated", "commanded_travel"), 90.0)
+    assert_allclose(value(metrics, "yaw", "compensated", "targets_converged"), 7.0)
+
+
 def test_statuses_are_counted_for_each_method() -> None:
     nominal = landing(1.0, TARGETS)
     nominal["status"] = ["clipped", *["converged"] * 6]
@@ -148,7 +172,7 @@ def test_missing_measurements_are_counted_not_filled() -> None:
     table = predictions(2.0, 0.5)
     table.loc[:9, "measured_deg"] = np.nan
     metrics = evaluate(EvaluationConfig(), {"yaw": table}, {}).metrics
-    rows = metrics[metrics["metric"] == "model_rmse"]
+    rows = metrics[(metrics["metric"] == "model_rmse") & metrics["cycle"].isna()]
     assert rows["n"].tolist() == [40, 40]
     assert_allclose(rows["value"], [2.0, 0.5])
     assert value(metrics, "yaw", "nominal", "model_not_measured") == 10.0

@@ -7,7 +7,7 @@ from pipeline.errors import LoopgapError, UsageError
 from pipeline.models.loop_model import branch_samples
 from pipeline.models.mixture import MixtureError
 from pipeline.recording import Recording
-from pipeline.stages.selection import COLUMNS, heldout_rmse_deg, select
+from pipeline.stages.selection import COLUMNS, heldout_rmse_deg, select, selection_metrics
 
 TRAIN = [0, 1, 2, 3, 4, 5]
 TRAINING = TrainingConfig()
@@ -31,6 +31,18 @@ def test_table_has_a_row_for_every_axis_model_and_k(recordings: dict[str, Record
     assert len(selection.table) == 2 * 3 * 6
     assert np.isfinite(selection.table[["bic", "aic", "heldout_rmse_deg"]]).all(axis=None)
     assert (selection.table["bic"] > selection.table["aic"]).all()
+
+
+def test_scores_that_nobody_asks_for_stay_empty(recordings: dict[str, Recording]) -> None:
+    wanted = config(scores=["aic"], k_max=3)
+    selection = select(wanted, TRAINING, {"yaw": recordings["yaw"]}, TRAIN, seed=0)
+    assert selection.table["heldout_rmse_deg"].isna().all()
+    metrics = selection_metrics(selection)
+    assert set(metrics["metric"]) == {"chosen_k", "bic", "aic"}
+    chosen = metrics.query("metric == 'chosen_k'").set_index("method")["value"]
+    assert chosen.to_dict() == selection.chosen["yaw"]
+    with pytest.raises(UsageError, match="some of bic, aic, heldout; found 'cv'"):
+        select(config(scores=["cv"]), TRAINING, recordings, TRAIN, seed=0)
 
 
 @pytest.mark.parametrize("criterion", ["bic", "aic"])

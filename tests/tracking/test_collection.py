@@ -1,59 +1,40 @@
-import json
+import shlex
+import shutil
 from pathlib import Path
 
 import pandas as pd
 import pytest
+from made_sweep import add_job, plan
 
 from pipeline.errors import UsageError
 from pipeline.tracking.collection import collect
-
-
-def add_job(
-    sweep: Path, name: str, overrides: dict[str, object], status: str = "done", rmse: float = 0.5
-) -> None:
-    folder = sweep / name
-    folder.mkdir(parents=True)
-    error = None if status == "done" else "LoopgapError: no such port"
-    job = {"overrides": overrides, "status": status, "error": error}
-    (folder / "job.json").write_text(json.dumps(job))
-    if status != "done":
-        return
-    (folder / "evaluation").mkdir()
-    rows = [
-        ("pitch", "nominal", "model_rmse", 3 * rmse, "deg", 600),
-        ("pitch", "compensated", "model_rmse", rmse, "deg", 600),
-        ("pitch", "compensated", "targets_converged", 100, "targets", 100),
-    ]
-    columns = ["axis", "method", "metric", "value", "unit", "n"]
-    pd.DataFrame(rows, columns=columns).to_csv(folder / "evaluation/metrics.csv", index=False)
 
 
 def test_every_job_gives_its_rows_in_natural_order(tmp_path: Path) -> None:
     for number in (10, 2, 0):
         add_job(tmp_path, str(number), {"selection.k": number + 1}, rmse=0.1 * (number + 1))
     collection = collect(tmp_path)
-    assert list(collection.results["job"]) == ["0"] * 3 + ["2"] * 3 + ["10"] * 3
-    written = pd.read_csv(tmp_path / "results.csv")
+    assert list(collection.results["job"]) == ["0"] * 4 + ["2"] * 4 + ["10"] * 4
+    written = pd.read_parquet(tmp_path / "results.parquet")
     assert list(written.columns) == [
-        "job", "selection.k", "axis", "method", "metric", "value", "unit", "n",
+        "job", "selection.k", "commit", "config_hash", "data_hash",
+        "axis", "method", "cycle", "metric", "value", "unit", "n",
     ]  # fmt: skip
-    assert written.query("metric == 'model_rmse' and method == 'compensated'")[
-        "value"
-    ].tolist() == pytest.approx([0.1, 0.3, 1.1])
+    pd.testing.assert_frame_equal(written, collection.results)
+    chosen = written.query("metric == 'model_rmse' and method == 'compensated'")
+    pooled = chosen[chosen["cycle"].isna()]
+    assert pooled["value"].tolist() == pytest.approx([0.1, 0.3, 1.1])
+    assert pooled["selection.k"].tolist() == [1, 3, 11]
+    assert chosen["cycle"].dropna().tolist() == [6, 6, 6]
     assert "# 3 of 3 jobs" in (tmp_path / "results.md").read_text()
 
 
-def test_headline_errors_stand_in_one_row_a_job(tmp_path: Path) -> None:
-    add_job(tmp_path, "0", {"split.index": 0}, rmse=0.4)
-    add_job(tmp_path, "1", {"split.index": 1}, rmse=0.6)
-    wide = collect(tmp_path).results_wide()
-    assert wide.to_dict("list") == {
-        "job": ["0", "1"],
-        "split.index": [0, 1],
-        "axis": ["pitch", "pitch"],
-        "nominal model [deg]": pytest.approx([1.2, 1.8]),
-        "compensated model [deg]": [0.4, 0.6],
-    }
+def test_the_hash_of_a_configuration_knows_what_has_a_say(tmp_path: Path) -> None:
+    for sweep, name, seed in (("here", "0", 0), ("there", "0", 0), ("there", "1", 1)):
+        add_job(tmp_path / sweep, name, {"seed": seed})
+    here, there = (collect(tmp_path / s).results for s in ("here", "there"))
+    assert set(here["config_hash"]) == set(there.query("job == '0'")["config_hash"])
+    assert there["config_hash"].nunique() == there["data_hash"].nunique() == 2
 
 
 def test_failed_and_unfinished_jobs_are_listed(tmp_path: Path) -> None:
@@ -63,32 +44,63 @@ def test_failed_and_unfinished_jobs_are_listed(tmp_path: Path) -> None:
     (tmp_path / "2/evaluation/metrics.csv").unlink()
     add_job(tmp_path, "3", {"seed": 3})
     (tmp_path / "3/job.json").write_text("{")
+    add_job(tmp_path, "4", {"seed": 4}, status="running")
     incomplete = collect(tmp_path).incomplete.set_index("job")
-    assert list(incomplete.index) == ["1", "2", "3"]
+    assert incomplete["status"].to_dict() == {
+        "1": "failed", "2": "no results", "3": "unreadable", "4": "unfinished",
+    }  # fmt: skip
     assert incomplete.loc["1", "error"] == "LoopgapError: no such port"
     assert "metrics.csv" in incomplete.loc["2", "error"]
-    assert incomplete.loc["3", "status"] == "unreadable"
     report = (tmp_path / "results.md").read_text()
-    assert "# 1 of 4 jobs" in report
+    assert "# 1 of 5 jobs" in report
     assert "no such port" in report
+
+
+def test_jobs_that_never_began_are_known_by_the_plan(tmp_path: Path) -> None:
+    plan(tmp_path, "+experiment=x", "selection.k=4", split__index="range(0,2)", seed="1,2")
+    given = {"experiment": "x", "selection.k": 4}
+    add_job(tmp_path, "0", {"split.index": 0, "seed": 1, **given})
+    add_job(tmp_path, "3", {"split.index": 1, "seed": 7, **given})  # of an older sweep
+    incomplete = collect(tmp_path).incomplete.set_index("job")
+    assert incomplete["status"].to_dict() == {
+        "1": "never started", "2": "never started", "3": "not of this sweep",
+    }  # fmt: skip
+    assert shlex.split(incomplete.loc["2", "command"]) == [
+        "loopgap", "split.index=1", "seed=1", "+experiment=x", "selection.k=4",
+        f"hydra.run.dir={tmp_path / '2'}",
+    ]  # fmt: skip
+    lines = (tmp_path / "repeat.sh").read_text().splitlines()
+    assert lines[2:] == [*incomplete["command"], f"loopgap-collect {tmp_path}"]
+
+
+def test_a_copied_folder_collects_alike(tmp_path: Path) -> None:
+    add_job(tmp_path / "one", "0", {"seed": 0})
+    add_job(tmp_path / "one", "1", {"seed": 1})
+    collect(tmp_path / "one")
+    shutil.copytree(tmp_path / "one", tmp_path / "two")
+    (tmp_path / "two" / "results.parquet").unlink()
+    collect(tmp_path / "two")
+    for name in ("results.parquet", "results.csv", "results.md"):
+        assert (tmp_path / "one" / name).read_bytes() == (tmp_path / "two" / name).read_bytes()
+    assert not (tmp_path / "two" / "repeat.sh").exists()
 
 
 def test_collecting_again_changes_nothing(tmp_path: Path) -> None:
     add_job(tmp_path, "0", {"selection.k": 4, "split": "paper"})
     add_job(tmp_path, "1", {"seed": 3}, status="failed")
     collect(tmp_path)
-    first = {p.name: p.read_bytes() for p in tmp_path.glob("results.*")}
+    first = {p.name: p.read_bytes() for p in tmp_path.glob("re*.*")}
     collect(tmp_path)
-    assert {p.name: p.read_bytes() for p in tmp_path.glob("results.*")} == first
-    assert len(first) == 2
+    assert {p.name: p.read_bytes() for p in tmp_path.glob("re*.*")} == first
+    assert len(first) == 4
 
 
 def test_a_sweep_of_failures_still_gives_its_table(tmp_path: Path) -> None:
     add_job(tmp_path, "0", {"seed": 0}, status="failed")
     collection = collect(tmp_path)
     assert collection.results.empty
-    assert collection.results_wide().empty
     assert len(collection.incomplete) == 1
+    assert pd.read_parquet(tmp_path / "results.parquet").empty
 
 
 def test_a_folder_without_jobs_is_refused(tmp_path: Path) -> None:
