@@ -142,18 +142,28 @@ def promising(choices: Sequence[Choice], base: float) -> list[Choice]:
 
 
 def extended(
-    search: Search, parent: Choice, branches: int = BRANCHES, skip: Container[Key] = ()
+    search: Search,
+    parent: Choice,
+    branches: int = BRANCHES,
+    skip: Container[Key] = (),
+    begun: Sequence[Fit] = (),
 ) -> list[Choice]:
-    """The parent with each of the most promising further terms; sets in `skip` are left out."""
+    """The parent with each of the most promising further terms; sets in `skip` are left out.
+
+    begun: fits of the parent's terms to begin from as well, under the parent's noise.
+    """
     terms = [
         t
         for t in allowed(search.terms, parent.fit)
         if parent.fit.key | {(t.name, t.form)} not in skip
     ]
-    leads = by_term(screen(parent.fit, search.effects, terms))
-    trials = [improve(started(parent.fit, few), 3) for few in leads[:branches]]
-    trials.sort(key=lambda t: t.cost)
-    trials = trials[: max(branches - 3, 3)]
+    found: dict[Key, Fit] = {}
+    for start in (parent.fit, *begun):
+        for few in by_term(screen(start, search.effects, terms))[:branches]:
+            trial = improve(started(start, few), 3)
+            if trial.key not in found or trial.cost < found[trial.key].cost:
+                found[trial.key] = trial
+    trials = sorted(found.values(), key=lambda t: t.cost)[: max(branches - 3, 3)]
     slow = [t for t in terms if t.name in SLOW]
     if wanders(parent.place) and slow:
         still = search.stilled(parent.fit, parent.place, 4)[0]
@@ -218,7 +228,10 @@ def _reformed(fit: Fit, place: int, term: Term) -> Fit:
 
 
 def polished(search: Search, choices: list[Choice]) -> list[Choice]:
-    """Richer forms, deletions and swaps of the best as long as it gets better."""
+    """Richer forms, deletions and swaps of the best as long as it gets better.
+
+    A swap begins both from the rest refitted and from the rest as it stood beside the old term.
+    """
     found = {c.fit.key: c for c in choices}
     tried: set[Key] = set()
     for _ in range(3):
@@ -239,7 +252,8 @@ def polished(search: Search, choices: list[Choice]) -> list[Choice]:
             found[without.fit.key] = without
             if without.fit.key != key:
                 found.setdefault(key, without)
-            for child in extended(search, without, 5):
+            unmoved = evaluate(without.fit.ground, rest)
+            for child in extended(search, without, 5, begun=[unmoved]):
                 if child.fit.key not in found or child.score < found[child.fit.key].score:
                     found[child.fit.key] = child
         if min(found.values(), key=lambda c: c.score) is best:

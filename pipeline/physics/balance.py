@@ -8,7 +8,10 @@ divided by the stiffness of the wire, so that it is the angle [angle unit] by wh
 way. What a slack or toeing wire gives way besides depends on its whole force, k theta + f, k being
 the joint's own stiffness over the wire's. Where f exceeds the wires' pretension, one of the two
 hangs slack and the other gives way twice as much. Slips are springs with dry sliders in series
-(Iwan, J. Appl. Mech. 33 (1966) 893), arms are springs with dashpots in series (Maxwell).
+(Iwan, J. Appl. Mech. 33 (1966) 893), arms are springs with dashpots in series (Maxwell). A
+dashpot beside them, drag theta', holds the joint where it was when a dwell began; over a dwell of
+length t it pulls as a spring of stiffness r / (exp(r t / drag) - 1), which is exact where all else
+is linear with the stiffness r.
 """
 
 from collections.abc import Sequence
@@ -30,6 +33,7 @@ NO_CONTACT = np.zeros((0, 4))
 SWEEPS = 40
 PRECISE = 1e-6
 FAR = 14.0
+LONG, BRIEF, SOFTEST = 300.0, 1e-9, 0.05
 
 
 @dataclass(frozen=True)
@@ -46,6 +50,7 @@ class Load:
     loose: (l, 4) half the way over which both wires hang slack [drive unit], the softness of its
         ends [drive unit], the joint's own stiffness [1], and the drive in the middle of that way.
     pretension: load beyond which one of two wires hangs slack and the other gives twice [angle].
+    drag: viscous load over speed [s]: the time constant of a joint without other loads.
     pushed: (n,) load from outside that moves a free joint by as much [angle]; None where none.
     """
 
@@ -56,6 +61,7 @@ class Load:
     give: np.ndarray = field(default_factory=lambda: NO_GIVE)
     loose: np.ndarray = field(default_factory=lambda: NO_GIVE)
     pretension: float = np.inf
+    drag: float = 0.0
     pushed: np.ndarray | None = None
 
 
@@ -106,23 +112,37 @@ def _loose(force, half, softness):  # type: ignore[no-untyped-def]
 
 @njit(cache=True, fastmath=True, error_model="numpy")
 def balance(  # type: ignore[no-untyped-def]
-    q, pushed, dwell, state, slip, arm, smooth, radian, contact, give, loose, pretension, fresh
+    q,
+    pushed,
+    dwell,
+    state,
+    slip,
+    arm,
+    drag,
+    smooth,
+    radian,
+    contact,
+    give,
+    loose,
+    pretension,
+    fresh,
 ):
     """Joint angles for the asked angles `q`, shape (n,), and the state to carry.
 
-    The state is (q - pushed, angle, forces of the sliders, far ends of the arms). A sample is taken
-    after its dwell: first the joint moves at once, then the arms relax and it settles again.
+    The state is (q - pushed, angle, forces of the sliders, far ends of the arms, stiffness r). A
+    sample is taken after its dwell: first the joint moves at once, then the arms relax and it
+    settles again.
     Newton's method, held between bounds.
     """
     m, arms, gives = slip.shape[0], arm.shape[0], give.shape[0]
-    force, trial, far = state[2 : 2 + m].copy(), np.zeros(m), state[2 + m :].copy()
+    force, trial, far = state[2 : 2 + m].copy(), np.zeros(m), state[2 + m : -1].copy()
     k, up, down = slip[:, 0].copy(), slip[:, 1].copy(), -slip[:, 2]
     cubic, gravity, zero = smooth[1], smooth[2], smooth[3]
     more = contact.shape[0] > 0 or gravity != 0.0
     bent = cubic != 0.0 or more
     out = np.empty(q.size)
     asked, theta, yielding = state[0], state[1], 1.0
-    stages = 2 if arms > 0 else 1
+    stages, firm = 2 if arms > 0 else 1, 1.0 if fresh else state[-1]
     first = -1 if fresh and q.size > 0 else 0
     for t in range(first, q.size):
         begin = t < 0
@@ -133,6 +153,11 @@ def balance(  # type: ignore[no-untyped-def]
             for j in range(arms):
                 stiff += arm[j, 0]
                 pull += arm[j, 0] * far[j]
+        held_back = 0.0
+        if drag > 0.0 and not begin:
+            held_back = firm / max(np.expm1(min(firm * dwell[t] / drag, LONG)), BRIEF)
+            stiff += held_back
+            pull += held_back * theta
         now = q[row] + pushed[row]
         at = now if begin else theta + (now - asked) * yielding
         asked = now
@@ -160,7 +185,7 @@ def balance(  # type: ignore[no-untyped-def]
                     trial[i] = held
                     load += held
                     steep += k[i] if free == held else 0.0
-                rest, slope = at + load - q[row], 1.0 + steep
+                rest, slope, wires = at + load - q[row], 1.0 + steep, 1.0
                 for j in range(gives):
                     turned = (give[j, 2] * (at - give[j, 3]) + load) / give[j, 1]
                     if abs(turned) > FAR:
@@ -169,14 +194,17 @@ def balance(  # type: ignore[no-untyped-def]
                     left = np.exp(-abs(turned))
                     rest += give[j, 0] * ((1.0 - left) if turned > 0.0 else (left - 1.0))
                     slope += give[j, 0] * left / give[j, 1] * (give[j, 2] + steep)
+                    wires += give[j, 0] * left / give[j, 1]
                 for j in range(loose.shape[0]):
                     pulled = loose[j, 2] * (at - loose[j, 3]) + load
                     extra, share = _loose(pulled, loose[j, 0], loose[j, 1])
                     rest += extra
                     slope += share * (loose[j, 2] + steep)
+                    wires += share
                 if abs(load) > pretension:
                     rest += load - pretension if load > 0.0 else load + pretension
                     slope += steep
+                    wires += 1.0
                 yielding = 1.0 / max(slope, 0.05)
                 move = rest * yielding
                 if abs(move) < PRECISE:
@@ -189,6 +217,7 @@ def balance(  # type: ignore[no-untyped-def]
                 if at <= low or at >= high:
                     share = 0.5 if sweep % 2 else under / (under - over)
                     at = low + share * (high - low)
+            firm = max(slope / wires - held_back, SOFTEST)
             theta = at
             for i in range(sliding):
                 force[i] = trial[i]
@@ -196,9 +225,9 @@ def balance(  # type: ignore[no-untyped-def]
             far[:] = theta
         else:
             out[t] = theta
-    after = np.empty(2 + m + arms)
+    after = np.empty(3 + m + arms)
     after[0], after[1] = asked, theta
-    after[2 : 2 + m], after[2 + m :] = force, far
+    after[2 : 2 + m], after[2 + m : -1], after[-1] = force, far, firm
     return out, after
 
 
@@ -224,11 +253,12 @@ def settle(
     for load in loads:
         if load.pushed is not None:
             pushed += load.pushed
-    carried = np.zeros(3 + len(slip) + len(arm)) if state is None else state
+    carried = np.zeros(4 + len(slip) + len(arm)) if state is None else state
     last = motion.time_s[0] if state is None else carried[0]
     dwell = np.diff(motion.time_s, prepend=last)
     angle, after = balance(
-        np.ascontiguousarray(asked), pushed, dwell, carried[1:], slip, arm, smooth, motion.radian,
-        contact, give, loose, min(load.pretension for load in loads), state is None,
+        np.ascontiguousarray(asked), pushed, dwell, carried[1:], slip, arm,
+        sum(load.drag for load in loads), smooth, motion.radian, contact, give, loose,
+        min(load.pretension for load in loads), state is None,
     )  # fmt: skip
     return angle, np.concatenate([motion.time_s[-1:], after])

@@ -16,7 +16,6 @@ ORDER = (
     "backlash",
     "tension_loss",
     "slack",
-    "response_lag",
     "frame_lag",
     "camera_tilt",
     "lens_distortion",

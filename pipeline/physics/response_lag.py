@@ -2,19 +2,22 @@
 
 import numpy as np
 
-from pipeline.physics.creep import dwells, lagged
+from pipeline.physics.balance import Load
 from pipeline.physics.motion import Motion
 from pipeline.physics.term import Parameter, Surroundings, Term
 
 
 class ResponseLag(Term):
-    """x' = (u - x) / tau, exact for a command that is held through each dwell.
+    """x' = (u - x) / tau of a joint without other loads, for a command held through each dwell.
 
-    Source: first-order lag.
+    A viscous drag in the balance (see `balance.py`): beside other loads the lag depends on them,
+    longer where the wires hang slack, shorter against a stop. Source: first-order lag; Kelvin and
+    Voigt's spring with a dashpot beside it.
     """
 
     name = "response_lag"
     site = "body"
+    in_balance = True
     group = "lag"
     says = "The whole motion comes late, with a time constant of {time_constant}."
 
@@ -22,15 +25,8 @@ class ResponseLag(Term):
         dwell = max(around.dwell_s, 1e-9)
         return (Parameter("time_constant", "s", 0.0, 30.0 * dwell, dwell, dwell),)
 
-    def respond(
-        self, signal: np.ndarray, motion: Motion, values: np.ndarray, state: np.ndarray | None
-    ) -> tuple[np.ndarray, np.ndarray]:
-        if state is None:
-            state = np.array([motion.time_s[0], signal[0]])
-        dwell = dwells(motion, float(state[0]))
-        decay = np.exp(-dwell / values[0]) if values[0] > 0.0 else np.zeros(len(dwell))
-        out = lagged(signal, decay, float(state[1]))
-        return out, np.array([motion.time_s[-1], out[-1]])
+    def load(self, values: np.ndarray, motion: Motion) -> Load:
+        return Load(drag=float(values[0]))
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
         return max(around.dwell_s, 1e-9) * np.array([[0.3], [0.7], [1.5], [4.0]])
