@@ -7,7 +7,7 @@ from omegaconf import MISSING
 
 @dataclass
 class ImportedTime:
-    """Where a table's time comes from: a column in a unit, or a rate where the file has no time.
+    """Where a table's time comes from: a column in a unit (or `date`), or a rate.
 
     With a rate the first row is `start_s` after the first sample of the first table.
     """
@@ -43,7 +43,8 @@ class ReadingConfig:
     """How a file is read, where it doesn't say so itself; null means: look.
 
     `separator`, `decimal`, `header`, `encoding`, `comment`, `skip_rows` (before the header) and
-    `skip_after_header` are for text; `sheet` for xlsx; `root` (a dotted path) for JSON and mat.
+    `skip_after_header` are for text; `sheet` for xlsx; `root` (a dotted path) for JSON and mat;
+    `topic` for bags.
     """
 
     separator: str | None = None
@@ -55,14 +56,16 @@ class ReadingConfig:
     skip_after_header: int = 0
     sheet: str | None = None
     root: str | None = None
+    topic: str | None = None
 
 
 @dataclass
 class ImportedTable:
-    """One file (or folder of npy files): its time and its channels.
+    """One file (or folder of npy files, or topic of a bag): its time and its channels.
 
     `file` is a pattern below `importing.path`; without it the table is `importing.path` itself.
     `resample` (linear, previous or nearest) brings it to the first table's times.
+    `frames` names the camera whose images, those of a bag's topic, go to the recording's frames.
     `on_time_going_back` (drop or sort) allows rows that are not later than those before them.
     """
 
@@ -71,6 +74,7 @@ class ImportedTable:
     time: ImportedTime = field(default_factory=ImportedTime)
     resample: str | None = None
     on_time_going_back: str | None = None
+    frames: str | None = None
     channels: dict[str, ImportedChannel] = field(default_factory=dict)
 
 

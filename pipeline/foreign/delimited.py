@@ -2,7 +2,6 @@
 
 import csv
 import io
-from collections import Counter
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +9,7 @@ import pandas as pd
 
 from pipeline.config_importing import ReadingConfig
 from pipeline.errors import refusal
+from pipeline.foreign.headers import heads_columns, named_columns, repeated_names
 from pipeline.foreign.table import ForeignFileError, ForeignTable
 
 SEPARATORS = ("\t", ";", "|", ",", " ")
@@ -32,18 +32,15 @@ def read_delimited(path: Path, reading: ReadingConfig) -> ForeignTable:
         )  # fmt: skip
     lines = [line for _, line in kept]
     separator = reading.separator or _separator(lines[:LOOKED_AT])
-    with_header = reading.header
-    if with_header is None:
-        with_header = _looks_like_header(_cells(lines[0], separator), reading.decimal)
-    names = _names(_cells(lines[0], separator), with_header)
+    head = _cells(lines[0], separator)
+    with_header = heads_columns(head, reading.decimal) if reading.header is None else reading.header
+    names, repeated = named_columns(head, with_header), repeated_names(head, with_header)
     first = 1 + reading.skip_after_header if with_header else reading.skip_after_header
     body = kept[first:]
     _check_widths(path, body, separator, len(names))
     samples = _parse(path, [line for _, line in body], separator, len(names), reading.decimal)
-    unique = _unique(names)
-    columns = {name: samples[i].to_numpy() for i, name in enumerate(unique)}
+    columns = {name: samples[i].to_numpy() for i, name in enumerate(names)}
     numbers = np.array([number for number, _ in body], dtype=int)
-    repeated = [name for name, count in Counter(names).items() if count > 1]
     return ForeignTable(str(path), columns, lambda row: f"line {numbers[row]}", repeated=repeated)
 
 
@@ -83,32 +80,6 @@ def _separator(lines: list[str]) -> str:
             return separator
     most = {s: sum(line.count(s) for line in lines) for s in SEPARATORS[:-1]}
     return max(most, key=lambda s: most[s]) if any(most.values()) else ","
-
-
-def _looks_like_header(cells: list[str], decimal: str) -> bool:
-    return any(cell and not _is_number(cell.replace(decimal, ".")) for cell in cells)
-
-
-def _is_number(cell: str) -> bool:
-    try:
-        float(cell)
-    except ValueError:
-        return False
-    return True
-
-
-def _names(cells: list[str], with_header: bool) -> list[str]:
-    """Names of the columns; a cell without a name takes its index."""
-    return [cell if with_header and cell else str(i) for i, cell in enumerate(cells)]
-
-
-def _unique(names: list[str]) -> list[str]:
-    seen: Counter[str] = Counter()
-    unique = []
-    for name in names:
-        seen[name] += 1
-        unique.append(name if seen[name] == 1 else f"{name} ({seen[name]})")
-    return unique
 
 
 def _check_widths(path: Path, body: list[tuple[int, str]], separator: str, width: int) -> None:

@@ -19,7 +19,7 @@ def flatten(name: str, value: object, columns: dict[str, np.ndarray], rest: dict
         for key in array.dtype.names:
             flatten(f"{name}.{key}" if name else key, array[key], columns, rest)
     elif array.dtype.kind not in "fiub":
-        rest[name] = f"{array.dtype} values"
+        rest[name] = "text or objects"
     elif array.ndim <= 1 or array.size == max(array.shape):
         columns[name or "0"] = array.reshape(-1)
     elif array.ndim == 2 and array.shape[1] <= MOST_COLUMNS:

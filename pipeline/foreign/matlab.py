@@ -48,7 +48,9 @@ def _group(group: h5py.Group) -> dict[str, object]:
             content[name] = _group(item)
         elif isinstance(item, h5py.Dataset):
             is_text = item.attrs.get("MATLAB_class") in (b"char", b"cell")
-            content[name] = "text or cells" if is_text else np.asarray(item[()]).T
+            is_empty = "MATLAB_empty" in item.attrs  # then it holds the sizes instead
+            value = np.zeros(0) if is_empty else np.asarray(item[()]).T
+            content[name] = "text or cells" if is_text else value
     return content
 
 

@@ -6,8 +6,12 @@ from pathlib import Path
 from pipeline.config_importing import ImportedTable, ReadingConfig
 from pipeline.errors import UsageError, refusal
 from pipeline.foreign.arrays import read_folder, read_npy, read_npz
+from pipeline.foreign.bag import read_bag
 from pipeline.foreign.delimited import read_delimited
+from pipeline.foreign.excel import read_xlsx
 from pipeline.foreign.matlab import read_mat
+from pipeline.foreign.nested_json import read_json, read_json_lines
+from pipeline.foreign.parquet import read_parquet
 from pipeline.foreign.table import ForeignFileError, ForeignTable, listed
 
 READERS: dict[str, Callable[[Path, ReadingConfig], ForeignTable]] = {
@@ -15,14 +19,20 @@ READERS: dict[str, Callable[[Path, ReadingConfig], ForeignTable]] = {
     ".npy": read_npy,
     ".npz": read_npz,
     ".mat": read_mat,
+    ".xlsx": read_xlsx,
+    ".parquet": read_parquet,
+    ".json": read_json,
+    **dict.fromkeys((".jsonl", ".ndjson"), read_json_lines),
+    **dict.fromkeys((".bag", ".db3", ".mcap"), read_bag),
 }
 
 
 def read_table(path: Path, name: str, mapping: ImportedTable) -> ForeignTable:
-    """Read the file (or folder of npy files) that a table means; errors name it."""
+    """Read the file (or folder: a ROS 2 bag or npy files) that a table means; errors name it."""
     file = find_file(path, name, mapping.file)
     if file.is_dir():
-        return read_folder(file, mapping.reading)
+        read = read_bag if (file / "metadata.yaml").is_file() else read_folder
+        return read(file, mapping.reading)
     reader = READERS.get(file.suffix.lower())
     if reader is None:
         raise UsageError(

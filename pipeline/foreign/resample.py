@@ -26,6 +26,10 @@ class Lookup:
         mixed = np.where(self.share == 1, high, mixed)
         return np.where(self.outside, np.nan, mixed)
 
+    def rows(self, rows: np.ndarray) -> np.ndarray:
+        """Which of `rows` (m,) is taken at each wanted moment, -1 outside; not for `linear`."""
+        return np.where(self.outside, -1, rows[np.where(self.share == 1, self.after, self.before)])
+
 
 def lookup(times_s: np.ndarray, wanted_s: np.ndarray, rule: str) -> Lookup:
     """Where `wanted_s` (n,) lies among the rising `times_s` (m,), by one of RULES."""

@@ -1,7 +1,7 @@
 """Columns as a foreign file has them, and errors that say where in the file something is wrong."""
 
 import difflib
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -26,7 +26,7 @@ class ForeignTable:
     """Named columns of shape (n,); their lengths may differ where the file holds several arrays.
 
     `unusable` says of what else the file holds why it is no column; `repeated` are names that
-    stand over several columns.
+    stand over several columns; `frames` gives a JPEG for each row, one after the other.
     """
 
     where: str
@@ -34,6 +34,7 @@ class ForeignTable:
     row_name: Callable[[int], str] = row_from_zero
     unusable: Mapping[str, str] = field(default_factory=dict)
     repeated: Sequence[str] = ()
+    frames: Callable[[], Iterator[bytes]] | None = None
 
     def find(self, wanted: str) -> str:
         """The column of that name, or of that index from 0; UsageError lists those there are."""
@@ -65,6 +66,11 @@ class ForeignTable:
             return values
         if values.dtype.kind == "b":
             return values.astype(float)
+        if values.dtype.kind == "M":
+            raise UsageError(
+                refusal(f"{self.where}, column {name!r}", "numbers", "dates",
+                        "Take it as time, with `time.unit: date`, or take another column.")
+            )  # fmt: skip
         given = pd.Series(values)
         numbers = pd.to_numeric(given, errors="coerce").to_numpy(dtype=float)
         bad = np.flatnonzero(np.isnan(numbers) & given.notna().to_numpy())
@@ -74,6 +80,21 @@ class ForeignTable:
                         repr(str(values[bad[0]])), _remedy(str(values[bad[0]])))
             )  # fmt: skip
         return numbers
+
+    def dates_ns(self, wanted: str) -> np.ndarray:
+        """A column of dates (ISO 8601, or as the file keeps them) in ns since 1970, UTC."""
+        name = self.find(wanted)
+        given = pd.Series(self.columns[name])
+        dates = pd.to_datetime(given, utc=True, errors="coerce", format="ISO8601")
+        bad = np.flatnonzero(dates.isna())
+        if bad.size or given.dtype.kind in "fiu":
+            row = int(bad[0]) if bad.size else 0
+            raise ForeignFileError(
+                refusal(f"{self.where}, {self.row_name(row)}, column {name!r}",
+                        "a date such as 2026-05-01T12:00:00.25", repr(str(given.iloc[row])),
+                        "Correct it, or give the unit of its number.")
+            )  # fmt: skip
+        return dates.dt.as_unit("ns").astype("int64").to_numpy()
 
 
 def listed(names: Sequence[str]) -> str:
@@ -85,8 +106,10 @@ def listed(names: Sequence[str]) -> str:
 
 def suggestion(wanted: str, names: Sequence[str]) -> str:
     """A sentence on the name that was probably meant, or nothing."""
+    asked = wanted.lower().strip()
     lower = {name.lower().strip(): name for name in names}
-    close = difflib.get_close_matches(wanted.lower().strip(), list(lower), n=1, cutoff=0.6)
+    close = difflib.get_close_matches(asked, list(lower), n=1, cutoff=0.6)
+    close += [name for name in lower if name.endswith(f".{asked}")]
     return f"Did you mean {lower[close[0]]!r}? " if close else ""
 
 

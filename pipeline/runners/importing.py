@@ -3,11 +3,15 @@
 import json
 from pathlib import Path
 
+import numpy as np
+
 from pipeline.errors import UsageError, refusal
 from pipeline.foreign.read import read_table
+from pipeline.foreign.table import ForeignTable
 from pipeline.recording import load_recording, save_recording, write_atomically
-from pipeline.runners.run_folder import IMPORTED, Run
+from pipeline.runners.run_folder import IMPORTED, Run, made
 from pipeline.stages.importing import Account, assemble, check_mapping
+from pipeline.vision.frames import FrameFolder
 
 
 def run_importing(run: Run) -> None:
@@ -20,14 +24,39 @@ def run_importing(run: Run) -> None:
                     "Give importing.path=FILE_OR_FOLDER.")
         )  # fmt: skip
     path = Path(config.path)
+    folder = run.folder / IMPORTED
     tables = {name: read_table(path, name, table) for name, table in config.tables.items()}
     imported = assemble(config, tables)
-    folder = run.folder / IMPORTED
+    lost = {
+        camera: _write_frames(folder, camera, tables[name], imported.frames[name])
+        for name, camera in ((n, t.frames) for n, t in config.tables.items() if t.frames)
+    }
     save_recording(imported.recording, folder)
     load_recording(folder)
-    write_atomically(folder / "importing.json", json.dumps(imported.account.as_json(), indent=1))
+    account = imported.account.as_json() | {"rows_without_frame": lost}
+    write_atomically(folder / "importing.json", json.dumps(account, indent=1))
     _say(imported.account)
+    for camera, count in lost.items():
+        print(f"    frames of {camera}: {imported.account.rows - count}, {count} rows without")
     print(f"  recording: {folder}")
+
+
+def _write_frames(folder: Path, camera: str, table: ForeignTable, wanted: np.ndarray) -> int:
+    """Write the image of each row as `frames/<camera>_<row>.jpg`; how many rows have none."""
+    if table.frames is None:
+        raise UsageError(
+            refusal(table.where, f"images for the frames of {camera!r}", "no images",
+                    "Name a topic of images in `reading.topic`, or take `frames` out.")
+        )  # fmt: skip
+    rows_of: dict[int, list[int]] = {}
+    for row, image in enumerate(wanted):
+        rows_of.setdefault(int(image), []).append(row)
+    made(folder / "frames")
+    frames = FrameFolder(folder, camera)
+    for image, data in enumerate(table.frames()):
+        for row in rows_of.get(image, []):
+            write_atomically(frames.path(row), data)
+    return len(rows_of.get(-1, []))
 
 
 def _say(account: Account) -> None:

@@ -63,10 +63,15 @@ class Account:
 
 @dataclass(frozen=True)
 class Imported:
-    """A recording as it may be saved, and the account of how it came about."""
+    """A recording as it may be saved, and the account of how it came about.
+
+    `frames`: by table, which of its images belongs to each row of the recording, shape (n,); -1
+    where none does.
+    """
 
     recording: Recording
     account: Account
+    frames: Mapping[str, np.ndarray]
 
 
 def assemble(config: ImportingConfig, tables: Mapping[str, ForeignTable]) -> Imported:
@@ -75,28 +80,32 @@ def assemble(config: ImportingConfig, tables: Mapping[str, ForeignTable]) -> Imp
     UsageError where the mapping is wrong, ForeignFileError where the files are.
     """
     channels = check_mapping(config)
-    names = list(config.tables)
     values: dict[str, np.ndarray] = {}
+    images: dict[str, np.ndarray] = {}
     accounts: dict[str, TableAccount] = {}
     base: Clock | None = None
-    for name in names:
-        mapping, table = config.tables[name], tables[name]
+    for name, mapping in config.tables.items():
+        table = tables[name]
         own = {c: _channel_values(name, c, m, table) for c, m in mapping.channels.items()}
         length = _common_length(table, mapping, own)
-        clock = clock_of(name, mapping, table, length, None if base is None else base.origin_s)
+        clock = clock_of(name, mapping, table, length, None if base is None else base.origin_ns)
         base = base or clock
         found = None if clock is base else _lookup(name, mapping, clock, base)
         for channel, column in own.items():
             ordered = column[clock.rows]
             values[channel] = ordered if found is None else found.of(ordered)
+        if mapping.frames is not None:
+            images[name] = clock.rows if found is None else found.rows(clock.rows)
         accounts[name] = _table_account(mapping, table, clock, found, length)
     assert base is not None
     samples = pd.DataFrame({"time_s": base.times_s, **values})
-    kept = samples.iloc[_chosen(config.rows, base.times_s)].reset_index(drop=True)
+    chosen = _chosen(config.rows, base.times_s)
+    kept = samples.iloc[chosen].reset_index(drop=True)
     filled = _fill_commands(config, kept)
     return Imported(
         Recording(with_context(kept, channels), channels, _source(config, accounts)),
         _account(accounts, samples, kept, channels, filled),
+        {name: rows[chosen] for name, rows in images.items()},
     )
 
 
@@ -130,6 +139,11 @@ def _check_resampling(name: str, table: ImportedTable, first: bool) -> None:
             refusal(f"importing.tables.{name}.resample", expected, str(table.resample),
                     "Say how its samples come to the times of the first table." if not first
                     else "Take it out, or put another table first.")
+        )  # fmt: skip
+    if table.frames is not None and table.resample == "linear":
+        raise UsageError(
+            refusal(f"importing.tables.{name}.resample", "previous or nearest for images",
+                    table.resample, "Choose one.")
         )  # fmt: skip
 
 
@@ -179,7 +193,7 @@ def _common_length(
 ) -> int:
     lengths = {mapping.channels[c].column or c: len(column) for c, column in own.items()}
     if mapping.time.column is not None:
-        lengths[mapping.time.column] = len(table.numbers(mapping.time.column))
+        lengths[mapping.time.column] = len(table.columns[table.find(mapping.time.column)])
     if len(set(lengths.values())) > 1 or not lengths or min(lengths.values()) == 0:
         found = ", ".join(f"{column} {length}" for column, length in lengths.items())
         raise ForeignFileError(
@@ -249,14 +263,10 @@ def _fill_commands(config: ImportingConfig, samples: pd.DataFrame) -> dict[str, 
         for channel, mapping in table.channels.items():
             if mapping.role not in ("command", CONTEXT):
                 continue
-            empty = np.flatnonzero(samples[channel].isna())
-            if empty.size and mapping.fill is not None:
-                have = np.flatnonzero(samples[channel].notna())
-                if have.size:
-                    times = samples["time_s"].to_numpy()
-                    found = resample.lookup(times[have], times[empty], mapping.fill)
-                    samples.loc[empty, channel] = found.of(samples[channel].to_numpy()[have])
-                filled[channel] = int(empty.size)
+            empty = int(samples[channel].isna().sum())
+            if empty and mapping.fill is not None:
+                samples[channel] = _filled(samples[["time_s", channel]], channel, mapping.fill)
+                filled[channel] = empty
             still = np.flatnonzero(samples[channel].isna())
             if still.size:
                 where = f"importing.tables.{name}.channels.{channel}"
@@ -267,6 +277,17 @@ def _fill_commands(config: ImportingConfig, samples: pd.DataFrame) -> dict[str, 
                             "`fill: previous` or `linear`, or cut the rows with importing.rows.")
                 )  # fmt: skip
     return filled
+
+
+def _filled(samples: pd.DataFrame, channel: str, rule: str) -> pd.Series:
+    """`previous` holds the last number; `linear` joins the numbers on both sides."""
+    if rule == "previous":
+        return samples[channel].ffill()
+    have = samples.dropna()
+    if have.empty:
+        return samples[channel]
+    found = resample.lookup(have["time_s"].to_numpy(), samples["time_s"].to_numpy(), rule)
+    return samples[channel].fillna(pd.Series(found.of(have[channel].to_numpy())))
 
 
 def _source(config: ImportingConfig, accounts: Mapping[str, TableAccount]) -> str:
