@@ -57,7 +57,14 @@ def _run_sweep(sweep: Sweep) -> int:
     print(f"{sweep.jobs} jobs; should it be stopped, this goes on:\n"
           f"  {going_on(sys.argv[1:], sweep.folder)}", flush=True)  # fmt: skip
     with sweep.running():
-        _hydra_job()
+        try:
+            _hydra_job()
+        except (HydraException, OmegaConfBaseException, LoopgapError, OSError):
+            raise
+        except Exception as error:  # of the launcher: a job's errors end with the job
+            _complain(f"the launcher lost a job: {_first_line(error)}", UNUSABLE)
+            conclude(sweep.folder)
+            return UNUSABLE
         return conclude(sweep.folder)
 
 
@@ -86,6 +93,10 @@ def _hydra_job(raw: DictConfig) -> None:
             print(f"when its cause is gone, this goes on:\n  {going_on(sys.argv[1:], folder)}",
                   file=sys.stderr)  # fmt: skip
         raise
+
+
+def _first_line(error: Exception) -> str:
+    return f"{type(error).__name__}: {str(error).strip().partition(chr(10))[0]}"
 
 
 def _unusable(error: OSError) -> str:
