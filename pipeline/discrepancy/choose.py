@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pipeline.discrepancy.fit import Fit, Ground, evaluate, improve, parameters_of
+from pipeline.discrepancy.fit import Fit, Ground, calibrated, evaluate, improve, parameters_of
 from pipeline.discrepancy.moments import settle_moments
 from pipeline.discrepancy.noise_family import NoiseFamily
 from pipeline.discrepancy.screen import Effects, Lead, screen, started
@@ -66,13 +66,14 @@ class Search:
         still = (place[0], 0, 0)
         residual = np.where(fit.ground.used, fit.ground.problem.measured - fit.predicted, 0.0)
         noise = self.family.noise_at(still, self.family.weigh(still, residual)[1])
-        return improve(evaluate(fit.ground.with_noise(noise), fit.pieces), iterations), still
+        ground = fit.ground.with_noise(noise)
+        return improve(calibrated(ground, fit.pieces, fit.trace), iterations), still
 
     def _weighed_from(self, fit: Fit, place: Place, iterations: int) -> Choice:
         residual = fit.ground.problem.measured - fit.predicted
         noise, place = self.family.pick(residual, place)
         ground = fit.ground.with_noise(noise)
-        fit = improve(evaluate(ground, fit.pieces), iterations)
+        fit = improve(calibrated(ground, fit.pieces, fit.trace), iterations)
         residual = np.where(ground.used, ground.problem.measured - fit.predicted, 0.0)
         cost = self.family.weigh(place, residual)[0]
         own = fit.cost - 2.0 * ground.log_scale - float(fit.innovations @ fit.innovations)
@@ -125,7 +126,9 @@ def choose(search: Search, ground: Ground) -> list[Choice]:
 def choose_again(search: Search, ground: Ground, earlier: Sequence[Choice]) -> list[Choice]:
     """Choices on other rows, begun from earlier ones (the best and the empty one)."""
     begun = [*earlier[:EARLIER], *(c for c in earlier[EARLIER:] if not c.fit.pieces)]
-    again = [search.weighed(evaluate(ground, c.fit.pieces), c.place, 8) for c in begun]
+    again = [
+        search.weighed(calibrated(ground, c.fit.pieces, c.fit.trace), c.place, 8) for c in begun
+    ]
     found = {c.fit.key: c for c in again}
     best = min(again, key=lambda c: c.score)
     for child in extended(search, best, skip=found):

@@ -4,6 +4,7 @@ import numpy as np
 
 BINS = 160
 SIMPLER = 0.03
+NOTHING = 1e-10
 RECOGNISED = 0.6
 
 
@@ -23,12 +24,26 @@ def least_squares_share(
     columns: np.ndarray, y: np.ndarray, beside: np.ndarray, weight: np.ndarray
 ) -> float:
     """Share of y, (k,), that columns (k, p) explain beyond those beside (k, j); weight (k,)."""
-    base = beside * weight[:, None]
-    left = _left(base, y * weight)
+    return float(least_squares_shares(columns[None], y, beside, weight)[0])
+
+
+def least_squares_shares(
+    columns: np.ndarray, y: np.ndarray, beside: np.ndarray, weight: np.ndarray
+) -> np.ndarray:
+    """The same for each of many sets of columns, (c, k, p), shape (c,)."""
+    base = _span(beside * weight[:, None])
+    left = y * weight
+    left = left - base @ (base.T @ left)
     power = float(left @ left)
-    both = np.hstack([base, columns * weight[:, None]])
-    rest = _left(both, y * weight)
-    return 1.0 - float(rest @ rest) / power if power > 0 else 0.0
+    if power <= 0.0:
+        return np.zeros(len(columns))
+    weighted = columns * weight[:, None]
+    size = np.linalg.norm(weighted, axis=1)
+    free = weighted - base @ (base.T @ weighted)
+    q, r = np.linalg.qr(free)
+    strong = np.abs(np.diagonal(r, axis1=1, axis2=2)) > NOTHING * np.maximum(size, 1e-300)
+    along = np.einsum("ckp,k->cp", q, left) * strong
+    return np.sum(along**2, axis=1) / power
 
 
 def curve_words(x: np.ndarray, y: np.ndarray, position: np.ndarray, unit: str) -> str:
@@ -67,12 +82,11 @@ def _one_side(
     x: np.ndarray, y: np.ndarray, beside: np.ndarray, weight: np.ndarray, unit: str
 ) -> tuple[float, str]:
     begins = np.linspace(x[0], x[-1], 60)[3:-3]
-    shares = [
-        least_squares_share(np.maximum(0.0, x - b)[:, None], y, beside, weight) for b in begins
-    ]
+    ramps = np.maximum(0.0, x - begins[:, None])[:, :, None]
+    shares = least_squares_shares(ramps, y, beside, weight)
     best = int(np.argmax(shares))
     way = "positive" if begins[best] > 0.5 * (x[0] + x[-1]) else "negative"
-    return shares[best], f"beyond {begins[best]:.3g} {unit} on the {way} side"
+    return float(shares[best]), f"beyond {begins[best]:.3g} {unit} on the {way} side"
 
 
 def _both_sides(
@@ -82,11 +96,12 @@ def _both_sides(
     if reach <= 0:
         return 0.0, ""
     widths = np.linspace(0.0, reach, 40)[1:-2]
-    shares = [least_squares_share(np.clip(x, -w, w)[:, None], y, beside, weight) for w in widths]
+    clipped = np.clip(x, -widths[:, None], widths[:, None])[:, :, None]
+    shares = least_squares_shares(clipped, y, beside, weight)
     best = int(np.argmax(shares))
     if widths[best] < 0.35 * reach:
-        return shares[best], f"within {widths[best]:.2g} {unit} of home"
-    return shares[best], f"beyond {widths[best]:.3g} {unit} on both sides"
+        return float(shares[best]), f"within {widths[best]:.2g} {unit} of home"
+    return float(shares[best]), f"beyond {widths[best]:.3g} {unit} on both sides"
 
 
 def _periodic(
@@ -97,22 +112,21 @@ def _periodic(
     turns = np.arange(1.5, span / finest, 0.125)
     if len(turns) == 0:
         return 0.0, ""
-    shares = [_wave_share(turn, x, y, beside, weight) for turn in turns]
+    shares = _wave_shares(turns, x, y, beside, weight)
     coarse = float(turns[int(np.argmax(shares))])
     near = coarse + np.linspace(-0.125, 0.125, 21)
-    shares = [_wave_share(turn, x, y, beside, weight) for turn in near]
+    shares = _wave_shares(near, x, y, beside, weight)
     best = int(np.argmax(shares))
-    return shares[best], f"periodically, every {span / near[best]:.3g} {unit}"
+    return float(shares[best]), f"periodically, every {span / near[best]:.3g} {unit}"
 
 
-def _wave_share(
-    turns: float, x: np.ndarray, y: np.ndarray, beside: np.ndarray, weight: np.ndarray
-) -> float:
-    angle = 2.0 * np.pi * turns * x / float(np.ptp(x))
-    return least_squares_share(np.column_stack([np.cos(angle), np.sin(angle)]), y, beside, weight)
+def _wave_shares(
+    turns: np.ndarray, x: np.ndarray, y: np.ndarray, beside: np.ndarray, weight: np.ndarray
+) -> np.ndarray:
+    angle = 2.0 * np.pi * turns[:, None] * x / float(np.ptp(x))
+    return least_squares_shares(np.stack([np.cos(angle), np.sin(angle)], 2), y, beside, weight)
 
 
-def _left(base: np.ndarray, y: np.ndarray) -> np.ndarray:
+def _span(base: np.ndarray) -> np.ndarray:
     q, r = np.linalg.qr(base)
-    strong = np.abs(np.diag(r)) > 1e-10 * max(float(np.abs(r).max()), 1e-300)
-    return y - q[:, strong] @ (q[:, strong].T @ y)
+    return q[:, np.abs(np.diag(r)) > NOTHING * max(float(np.abs(r).max()), 1e-300)]

@@ -18,6 +18,17 @@ PRIOR_WIDTH = 10.0
 
 
 @dataclass(frozen=True)
+class Box:
+    """A term's parameters with their bounds and weak Gaussian priors, (p,) each."""
+
+    parameters: tuple[Parameter, ...]
+    low: np.ndarray
+    high: np.ndarray
+    centre: np.ndarray
+    precision: np.ndarray
+
+
+@dataclass(frozen=True)
 class Ground:
     """A problem with its noise: what every fit of it shares.
 
@@ -28,6 +39,19 @@ class Ground:
     noise: NoiseModel
     used: np.ndarray
     nuisances: Nuisances
+    _boxes: dict[tuple[str, str], Box] = field(default_factory=dict, repr=False)
+
+    def box(self, term: Term) -> Box:
+        """What a term's parameters may be here."""
+        key = (term.name, term.form)
+        if key not in self._boxes:
+            self._boxes[key] = box_of(term.parameters(self.problem.around))
+        return self._boxes[key]
+
+    @cached_property
+    def precision(self) -> np.ndarray:
+        """Of the priors of gain, offset and bends, (m,)."""
+        return np.asarray(1.0 / self.nuisances.deviations**2)
 
     @cached_property
     def gains(self) -> np.ndarray:
@@ -38,15 +62,14 @@ class Ground:
         """Sum of the log deviations of the innovations."""
         return float(np.sum(np.log(self.gains[self.used, 3])))
 
-    @property
+    @cached_property
     def count(self) -> int:
         return int(self.used.sum())
 
     def whiten(self, columns: np.ndarray) -> np.ndarray:
         """Columns (n, m) as independent unit innovations on the used rows, (count, m)."""
         filled = np.ascontiguousarray(columns)
-        out = whitened(filled, self.gains, self.noise.correlation, self.problem.cycle)
-        return out[self.used]
+        return whitened(filled, self.gains, self.noise.correlation, self.problem.cycle)
 
     @cached_property
     def data(self) -> np.ndarray:
@@ -70,6 +93,7 @@ class Fit:
     """Terms with fitted values. cost: -2 log(likelihood x priors) without constants.
 
     nuisance: (m,) gain, offset, bends. trace: the mechanism's angles without calibration.
+    calibrating: (count, m) whitened, what the nuisances multiply.
     """
 
     ground: Ground
@@ -77,7 +101,8 @@ class Fit:
     nuisance: np.ndarray
     trace: Trace
     cost: float
-    innovations: np.ndarray = field(repr=False, default_factory=lambda: np.zeros(0))
+    innovations: np.ndarray = field(repr=False)
+    calibrating: np.ndarray = field(repr=False)
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -96,18 +121,35 @@ class Fit:
     @cached_property
     def basis(self) -> np.ndarray:
         """Orthonormal columns of all that the fit can follow already, (count, m)."""
-        own = [self.ground.whiten(self.ground.nuisances.columns(self.trace))]
-        if self.pieces:
-            own.append(jacobian(self))
-        return np.linalg.qr(np.column_stack(own))[0]
+        return np.linalg.qr(np.column_stack([self.calibrating, self.slopes]))[0]
+
+    @cached_property
+    def slopes(self) -> np.ndarray:
+        """Whitened derivatives of the prediction by every term parameter, (count, free).
+
+        A parameter that does not move the prediction (a moment between two samples) gives zeros.
+        """
+        return jacobian(self)
 
     @cached_property
     def key(self) -> frozenset[tuple[str, str]]:
         return frozenset((p.term.name, p.term.form) for p in self.pieces)
 
 
+def box_of(parameters: Sequence[Parameter]) -> Box:
+    """Bounds and priors of some parameters."""
+    widths = np.array([PRIOR_WIDTH * p.typical if p.typical > 0.0 else np.inf for p in parameters])
+    return Box(
+        tuple(parameters),
+        np.array([p.low for p in parameters]),
+        np.array([p.high for p in parameters]),
+        np.array([prior_mean(p) for p in parameters]),
+        1.0 / widths**2,
+    )
+
+
 def parameters_of(ground: Ground, term: Term) -> tuple[Parameter, ...]:
-    return term.parameters(ground.problem.around)
+    return ground.box(term).parameters
 
 
 def respond(ground: Ground, pieces: Sequence[Piece]) -> Trace:
@@ -115,27 +157,39 @@ def respond(ground: Ground, pieces: Sequence[Piece]) -> Trace:
     return Mechanism(ground.problem.curve, pieces).trace(ground.problem.motion)
 
 
+def respond_beside(fit: Fit, pieces: Sequence[Piece], changed: Term) -> Trace:
+    """The angles of pieces that differ from a fit's in one term only."""
+    problem = fit.ground.problem
+    mechanism = Mechanism(problem.curve, pieces)
+    if changed.before_curve or changed.in_balance:
+        return mechanism.trace(problem.motion)
+    return mechanism.sensed(fit.trace.body, problem.motion)
+
+
 def evaluate(ground: Ground, pieces: Sequence[Piece]) -> Fit:
     """The fit with these values; gain, offset and bends by linear least squares."""
-    trace = respond(ground, pieces)
+    return calibrated(ground, pieces, respond(ground, pieces))
+
+
+def calibrated(ground: Ground, pieces: Sequence[Piece], trace: Trace) -> Fit:
+    """The fit with pieces whose angles are known."""
     columns = ground.whiten(ground.nuisances.columns(trace))
-    weights = 1.0 / ground.nuisances.deviations
-    normal = columns.T @ columns + np.diag(weights**2)
-    expected = ground.nuisances.expected
-    nuisance = np.linalg.solve(normal, columns.T @ ground.data + weights**2 * expected)
+    precision, expected = ground.precision, ground.nuisances.expected
+    normal = columns.T @ columns
+    normal.flat[:: len(expected) + 1] += precision
+    nuisance = np.linalg.solve(normal, columns.T @ ground.data + precision * expected)
     innovations = ground.data - columns @ nuisance
-    cost = float(innovations @ innovations + np.sum(((nuisance - expected) * weights) ** 2))
+    cost = float(innovations @ innovations + precision @ (nuisance - expected) ** 2)
     cost += 2.0 * ground.log_scale + prior_cost(ground, pieces)
-    return Fit(ground, tuple(pieces), nuisance, trace, cost, innovations)
+    return Fit(ground, tuple(pieces), nuisance, trace, cost, innovations, columns)
 
 
 def prior_cost(ground: Ground, pieces: Sequence[Piece]) -> float:
     """-2 log of the weak priors that keep parameters at usual sizes."""
     total = 0.0
     for piece in pieces:
-        for p, value in zip(parameters_of(ground, piece.term), piece.values, strict=True):
-            if p.typical > 0.0:
-                total += ((value - prior_mean(p)) / (PRIOR_WIDTH * p.typical)) ** 2
+        box = ground.box(piece.term)
+        total += float(box.precision @ (piece.values - box.centre) ** 2)
     return total
 
 
@@ -145,26 +199,23 @@ def prior_mean(parameter: Parameter) -> float:
 
 
 def jacobian(fit: Fit) -> np.ndarray:
-    """Whitened derivatives of the prediction by every term parameter, (count, free).
-
-    A parameter that does not move the prediction (a moment between two samples) gives zeros.
-    """
+    """See `Fit.slopes`."""
     ground = fit.ground
     predicted = fit.predicted
-    columns = np.zeros((len(fit.trace.seen), fit.free))
-    steps = np.ones(fit.free)
+    columns = np.zeros((fit.free, len(fit.trace.seen)))
     k = 0
     for i, piece in enumerate(fit.pieces):
         for j, p in enumerate(parameters_of(ground, piece.term)):
-            steps[k] = difference_step(p, piece.values[j])
-            if steps[k] != 0.0:
+            step = difference_step(p, piece.values[j])
+            if step != 0.0:
                 values = piece.values.copy()
-                values[j] += steps[k]
+                values[j] += step
                 pieces = (*fit.pieces[:i], Piece(piece.term, values), *fit.pieces[i + 1 :])
-                moved = ground.nuisances.columns(respond(ground, pieces)) @ fit.nuisance
-                columns[:, k] = (moved - predicted) / steps[k]
+                trace = respond_beside(fit, pieces, piece.term)
+                moved = ground.nuisances.columns(trace) @ fit.nuisance
+                columns[k] = (moved - predicted) / step
             k += 1
-    return ground.whiten(columns)
+    return ground.whiten(columns.T)
 
 
 def difference_step(p: Parameter, value: float) -> float:
@@ -180,16 +231,14 @@ def improve(fit: Fit, iterations: int = ITERATIONS) -> Fit:
     if not fit.pieces:
         return fit
     ground = fit.ground
-    bounds = [p for piece in fit.pieces for p in parameters_of(ground, piece.term)]
-    low, high = np.array([p.low for p in bounds]), np.array([p.high for p in bounds])
-    precision = np.array(
-        [1.0 / (PRIOR_WIDTH * p.typical) ** 2 if p.typical > 0.0 else 0.0 for p in bounds]
-    )
-    centre = np.array([prior_mean(p) for p in bounds])
+    boxes = [ground.box(piece.term) for piece in fit.pieces]
+    low, high = (np.concatenate([getattr(b, n) for b in boxes]) for n in ("low", "high"))
+    precision = np.concatenate([b.precision for b in boxes])
+    centre = np.concatenate([b.centre for b in boxes])
     damping = 1e-2
     for _ in range(iterations):
         values = np.concatenate([p.values for p in fit.pieces])
-        slopes = _beside_nuisances(fit, jacobian(fit))
+        slopes = _beside_nuisances(fit)
         gradient = slopes.T @ fit.innovations - precision * (values - centre)
         normal = slopes.T @ slopes + np.diag(precision)
         stuck = ((values <= low) & (gradient < 0.0)) | ((values >= high) & (gradient > 0.0))
@@ -216,13 +265,11 @@ def improve(fit: Fit, iterations: int = ITERATIONS) -> Fit:
     return fit
 
 
-def _beside_nuisances(fit: Fit, slopes: np.ndarray) -> np.ndarray:
-    """Slopes less what gain, offset and bends take over of them."""
-    ground = fit.ground
-    columns = ground.whiten(ground.nuisances.columns(fit.trace))
-    weights = 1.0 / ground.nuisances.deviations
-    stacked = columns.T @ columns + np.diag(weights**2)
-    return slopes - columns @ np.linalg.solve(stacked, columns.T @ slopes)
+def _beside_nuisances(fit: Fit) -> np.ndarray:
+    """Slopes less what gain, offset and bends take over of them, (count, free)."""
+    columns = fit.calibrating
+    normal = columns.T @ columns + np.diag(fit.ground.precision)
+    return fit.slopes - columns @ np.linalg.solve(normal, columns.T @ fit.slopes)
 
 
 def _with_values(pieces: Sequence[Piece], values: np.ndarray) -> tuple[Piece, ...]:

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from pipeline.discrepancy.fit import PRIOR_WIDTH, Fit, jacobian, parameters_of
+from pipeline.discrepancy.fit import Fit, parameters_of
 from pipeline.discrepancy.moments import moments, moved
 from pipeline.discrepancy.result import Estimate
 from pipeline.physics.mechanism import Piece
@@ -19,16 +19,9 @@ def covariance_of(fit: Fit) -> np.ndarray:
     With the priors of both; inflated where the innovations are larger than they should be.
     """
     ground = fit.ground
-    columns = [ground.whiten(ground.nuisances.columns(fit.trace))]
-    precision = [1.0 / ground.nuisances.deviations**2]
-    if fit.pieces:
-        columns.append(jacobian(fit))
-        typical = [p.typical for piece in fit.pieces for p in parameters_of(ground, piece.term)]
-        precision.append(
-            np.array([1.0 / (PRIOR_WIDTH * t) ** 2 if t > 0 else 0.0 for t in typical])
-        )
-    j = np.column_stack(columns)
-    normal = j.T @ j + np.diag(np.concatenate(precision))
+    j = np.column_stack([fit.calibrating, fit.slopes])
+    priors = [ground.precision, *(ground.box(piece.term).precision for piece in fit.pieces)]
+    normal = j.T @ j + np.diag(np.concatenate(priors))
     scale = np.sqrt(np.maximum(np.diag(normal), 1.0 / WIDEST))
     inverse = np.linalg.pinv(normal / np.outer(scale, scale), rcond=1e-10, hermitian=True)
     excess = max(float(np.mean(fit.innovations**2)), 1.0)

@@ -46,27 +46,27 @@ def gains_of(white, correlated, correlation, jitter, walk, step, cycle, used):  
 
 @njit(cache=True)
 def whitened(columns, gains, correlation, cycle):  # type: ignore[no-untyped-def]
-    """Innovations over their deviations, (n, m); zero where a row is not used."""
+    """Innovations over their deviations, (used rows, m)."""
     n, m = columns.shape
-    out = np.zeros((n, m))
+    out = np.empty((np.count_nonzero(gains[:, 3]), m))
     a, b, c = np.zeros(m), np.zeros(m), np.zeros(m)
+    kept, row = 1.0, 0
     for i in range(n):
         if i > 0:
-            new = cycle[i] != cycle[i - 1]
-            for k in range(m):
-                a[k] *= correlation
-                if new:
-                    b[k] = 0.0
-        s = gains[i, 3]
-        if s == 0.0:
+            kept *= correlation
+            if cycle[i] != cycle[i - 1]:
+                b[:] = 0.0
+        if gains[i, 3] == 0.0:
             continue
-        g0, g1, g2 = gains[i, 0], gains[i, 1], gains[i, 2]
+        g0, g1, g2, weight = gains[i, 0], gains[i, 1], gains[i, 2], 1.0 / gains[i, 3]
         for k in range(m):
-            e = columns[i, k] - a[k] - b[k] - c[k]
-            a[k] += g0 * e
+            late = kept * a[k]
+            e = columns[i, k] - late - b[k] - c[k]
+            a[k] = late + g0 * e
             b[k] += g1 * e
             c[k] += g2 * e
-            out[i, k] = e / s
+            out[row, k] = e * weight
+        kept, row = 1.0, row + 1
     return out
 
 
@@ -104,7 +104,7 @@ class NoiseModel:
         )
 
     def whiten(self, columns: np.ndarray, cycle: np.ndarray, used: np.ndarray) -> np.ndarray:
-        """Columns (n, m) as independent unit innovations; rows that are not used become zero.
+        """Columns (n, m) as independent unit innovations of the used rows, (used rows, m).
 
         Missing rows are treated exactly (the filter predicts over them).
         """
@@ -120,6 +120,7 @@ class NoiseModel:
     def log_likelihood(self, residual: np.ndarray, cycle: np.ndarray, used: np.ndarray) -> float:
         """Log density of residual (n,) on the used rows."""
         gains = self.gains(cycle, used)
-        e = self.whiten(residual[:, None], cycle, used)[:, 0]
+        filled = np.where(used, residual, 0.0)[:, None]
+        e = whitened(filled, gains, self.correlation, np.asarray(cycle, dtype=np.int64))
         s = gains[used, 3]
         return float(-0.5 * np.sum(e**2) - np.sum(np.log(s)) - 0.5 * s.size * np.log(2 * np.pi))

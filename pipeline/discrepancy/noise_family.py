@@ -30,7 +30,7 @@ class NoiseFamily:
     used: np.ndarray
     shapes: Sequence[tuple[float, float]]
     strain: np.ndarray
-    filters: dict[tuple[int, int, int], np.ndarray] = field(default_factory=dict)
+    filters: dict[tuple[int, int, int], tuple[np.ndarray, float]] = field(default_factory=dict)
 
     def unit(self, place: tuple[int, int, int]) -> NoiseModel:
         """The noise at a place of the grid, its deviation 1."""
@@ -44,10 +44,11 @@ class NoiseFamily:
         """-2 log posterior at the likeliest scale, and that scale; residual is 0 where not used."""
         unit = self.unit(place)
         if place not in self.filters:
-            self.filters[place] = unit.gains(self.cycle, self.used)
-        gains = self.filters[place]
+            gains = unit.gains(self.cycle, self.used)
+            self.filters[place] = gains, 2.0 * float(np.sum(np.log(gains[self.used, 3])))
+        gains, log_scales = self.filters[place]
         e = whitened(residual[:, None], gains, unit.correlation, self.cycle)[:, 0]
-        n = int(self.used.sum())
+        n = len(e)
         square = float(e @ e)
         sure, learnt = self.prior.sure, np.log(self.prior.model.deviation)
         least = np.log(self.prior.finest)
@@ -58,7 +59,7 @@ class NoiseFamily:
             log_scale -= slope / (4 * square * np.exp(-2 * log_scale) + 2 / sure**2)
             log_scale = max(log_scale, least)
         cost = square * np.exp(-2 * log_scale) + 2 * n * log_scale
-        cost += 2 * float(np.sum(np.log(gains[self.used, 3])))
+        cost += log_scales
         off = abs(log_scale - learnt) / sure
         cost += off**2 if off < 2.0 else 4.0 * (off - 1.0)
         cost += JITTER_COST * (place[1] > 0) + WALK_COST * (place[2] > 0)

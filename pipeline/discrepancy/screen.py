@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pipeline.discrepancy.fit import Fit, evaluate, parameters_of, respond
+from pipeline.discrepancy.fit import Fit, calibrated, parameters_of, respond_beside
 from pipeline.discrepancy.problem import Problem
 from pipeline.physics.mechanism import Mechanism, Piece
 from pipeline.physics.term import Term
@@ -79,7 +79,7 @@ def screen(fit: Fit, effects: Effects, terms: Sequence[Term], starts: int = 3) -
         return []
     columns = np.empty((len(predicted), len(places)))
     for k, (term, values) in enumerate(places):
-        trace = respond(ground, (*fit.pieces, Piece(term, values)))
+        trace = respond_beside(fit, (*fit.pieces, Piece(term, values)), term)
         columns[:, k] = ground.nuisances.columns(trace) @ fit.nuisance - predicted
     best: dict[tuple[str, str], list[Lead]] = {}
     for (term, values), (gain, factor) in zip(places, _gains(fit, places, columns), strict=True):
@@ -126,5 +126,8 @@ def clipped(fit: Fit, term: Term, values: np.ndarray) -> np.ndarray:
 
 def started(fit: Fit, leads: Sequence[Lead]) -> Fit:
     """The fit with the best of some leads of one term added, not yet improved."""
-    trials = [evaluate(fit.ground, (*fit.pieces, Piece(x.term, x.values))) for x in leads]
+    trials = []
+    for lead in leads:
+        pieces = (*fit.pieces, Piece(lead.term, lead.values))
+        trials.append(calibrated(fit.ground, pieces, respond_beside(fit, pieces, lead.term)))
     return min(trials, key=lambda trial: trial.cost)

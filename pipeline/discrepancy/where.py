@@ -6,7 +6,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from pipeline.discrepancy.coordinates import Ground
-from pipeline.discrepancy.curve_words import binned, curve_words, least_squares_share
+from pipeline.discrepancy.curve_words import (
+    binned,
+    curve_words,
+    least_squares_share,
+    least_squares_shares,
+)
 from pipeline.discrepancy.spikes import Spikes
 
 CLEAR = 0.75
@@ -137,16 +142,14 @@ def _step_along(drive: np.ndarray, opposite: np.ndarray) -> tuple[float, str, fl
     if len(centre) < 8:
         return 0.0, "", 0.0
     weight, constant = np.sqrt(count), np.ones((len(centre), 1))
-    shares = [
-        least_squares_share((centre >= at)[:, None].astype(float), mean, constant, weight)
-        for at in centre[3:-2]
-    ]
+    steps = (centre >= centre[3:-2, None])[:, :, None].astype(float)
+    shares = least_squares_shares(steps, mean, constant, weight)
     best = int(np.argmax(shares))
     begin = float(0.5 * (centre[2 + best] + centre[3 + best]))
     above = float(np.abs(mean[centre >= begin]).mean()) > float(np.abs(mean[centre < begin]).mean())
     spread = float(count @ (mean - count @ mean / count.sum()) ** 2)
     power = float(np.sum(opposite**2)) or 1.0
-    return begin, "positive" if above else "negative", shares[best] * spread / power
+    return begin, "positive" if above else "negative", float(shares[best]) * spread / power
 
 
 def _fading_words(turns: str, width: float, scene: Scene) -> str:
@@ -169,13 +172,11 @@ def fading_width(travel: np.ndarray, opposite: np.ndarray, step: float) -> tuple
     span = float(centre[-1])
     widths = np.geomspace(max(step, 0.002 * span), 0.7 * span, 60)
     trend = np.column_stack([np.ones(len(centre)), centre])
-    shares = [
-        least_squares_share(np.maximum(0.0, 1.0 - centre / width)[:, None], mean, trend, weight)
-        for width in widths
-    ]
+    fading = np.maximum(0.0, 1.0 - centre / widths[:, None])[:, :, None]
+    shares = least_squares_shares(fading, mean, trend, weight)
     best = int(np.argmax(shares))
     straight = least_squares_share(trend, mean, np.zeros((len(centre), 1)), weight)
-    return float(widths[best]), shares[best] * (1.0 - straight)
+    return float(widths[best]), float(shares[best]) * (1.0 - straight)
 
 
 def _level_words(level: np.ndarray, fitted: np.ndarray, scene: Scene, noun: str, unit: str) -> str:
@@ -215,12 +216,11 @@ def _time_words(own: np.ndarray, scene: Scene) -> str:
     time_s = scene.ground.time_s
     centre, mean, count = binned(time_s, own, BINS)
     weight, constant = np.sqrt(count), np.ones((len(centre), 1))
-    steps = [
-        least_squares_share((centre >= at)[:, None].astype(float), mean, constant, weight)
-        for at in centre[2:-1]
-    ]
+    steps = least_squares_shares(
+        (centre >= centre[2:-1, None])[:, :, None].astype(float), mean, constant, weight
+    )
     line = least_squares_share(centre[:, None], mean, constant, weight)
-    if steps and max(steps) > max(CLEAR, line):
+    if len(steps) and max(steps) > max(CLEAR, line):
         begin = float(centre[2 + int(np.argmax(steps))])
         after = time_s >= begin
         jump = float(np.mean(own[after]) - np.mean(own[~after]))
@@ -247,10 +247,9 @@ def _cycle_words(fitted: np.ndarray, own: np.ndarray, scene: Scene) -> str:
             return f"the loop {'widens' if slope < 0 else 'narrows'} from cycle to cycle"
         return "the loop's width differs between cycles"
     constant = np.ones((len(cycles), 1))
-    steps = [
-        least_squares_share((cycles >= at)[:, None].astype(float), means, constant, weight)
-        for at in cycles[1:]
-    ]
+    steps = least_squares_shares(
+        (cycles >= cycles[1:, None])[:, :, None].astype(float), means, constant, weight
+    )
     line = least_squares_share(cycles[:, None].astype(float), means, constant, weight)
     if max(steps) > max(CLEAR, line):
         return f"from cycle {int(cycles[1 + int(np.argmax(steps))])} on"

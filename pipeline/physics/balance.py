@@ -34,6 +34,8 @@ SWEEPS = 40
 PRECISE = 1e-6
 FAR = 14.0
 LONG, BRIEF, SOFTEST = 300.0, 1e-9, 0.05
+SAFE = 16.0
+LANES = 8
 
 
 @dataclass(frozen=True)
@@ -74,8 +76,10 @@ class BalancedTerm(Protocol):
 @njit(cache=True, fastmath=True, error_model="numpy")
 def _stops(at, radian, gravity, zero, contact):  # type: ignore[no-untyped-def]
     """Load of gravity, contacts and stops at an angle, and its slope."""
-    load = gravity * (np.sin(at / radian - zero) + np.sin(zero))
-    slope = gravity / radian * np.cos(at / radian - zero)
+    load, slope = 0.0, 0.0
+    if gravity != 0.0:
+        load = gravity * (np.sin(at / radian - zero) + np.sin(zero))
+        slope = gravity / radian * np.cos(at / radian - zero)
     for j in range(contact.shape[0]):
         skin = contact[j, 3]
         depth = contact[j, 0] * (at - contact[j, 1]) / skin
@@ -92,16 +96,15 @@ def _stops(at, radian, gravity, zero, contact):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, fastmath=True, error_model="numpy")
-def _loose(force, half, softness):  # type: ignore[no-untyped-def]
+def _loose(force, half, softness, slack):  # type: ignore[no-untyped-def]
     """How far two loose wires give beyond stiff ones, and the slope of that by the force.
 
     Each wire pulls by softness * log(1 + exp((+-e - half) / softness)) / 2, e being how far they
-    give; that is solved for e in closed form.
+    give; that is solved for e in closed form. slack: exp(-half / softness).
     """
     size = 2.0 * abs(force) / softness
     if size > FAR:
         return (half + abs(force)) * (1.0 if force > 0.0 else -1.0), 1.0
-    slack = np.exp(-half / softness)
     grown = np.exp(size) - 1.0
     root = np.sqrt(grown * grown + 4.0 * slack * slack * (1.0 + grown))
     x = (grown + root) / (2.0 * slack)
@@ -132,26 +135,31 @@ def balance(  # type: ignore[no-untyped-def]
     The state is (q - pushed, angle, forces of the sliders, far ends of the arms, stiffness r). A
     sample is taken after its dwell: first the joint moves at once, then the arms relax and it
     settles again.
-    Newton's method, held between bounds.
+    Newton's method, held between bounds; where nothing slides, a step ends it that is so short that
+    the equation's bend, told from the sample before, moves the angle by less than PRECISE.
     """
-    m, arms, gives = slip.shape[0], arm.shape[0], give.shape[0]
-    force, trial, far = state[2 : 2 + m].copy(), np.zeros(m), state[2 + m : -1].copy()
-    k, up, down = slip[:, 0].copy(), slip[:, 1].copy(), -slip[:, 2]
+    m, arms, gives, looses = slip.shape[0], arm.shape[0], give.shape[0], loose.shape[0]
+    padded = -(-m // LANES) * LANES
+    force, far = np.zeros(padded), state[2 + m : -1].copy()
+    k, up, down = np.zeros(padded), np.zeros(padded), np.zeros(padded)
+    force[:m], k[:m], up[:m], down[:m] = state[2 : 2 + m], slip[:, 0], slip[:, 1], -slip[:, 2]
+    slack, gone = np.exp(-loose[:, 0] / loose[:, 1]), np.zeros(arms)
     cubic, gravity, zero = smooth[1], smooth[2], smooth[3]
     more = contact.shape[0] > 0 or gravity != 0.0
-    bent = cubic != 0.0 or more
     out = np.empty(q.size)
     asked, theta, yielding = state[0], state[1], 1.0
     stages, firm = 2 if arms > 0 else 1, 1.0 if fresh else state[-1]
+    rigid = smooth[0] + arm[:, 0].sum()
+    slope, waited, eased = 1.0, -1.0, -1.0
     first = -1 if fresh and q.size > 0 else 0
     for t in range(first, q.size):
         begin = t < 0
         row = 0 if begin else t
-        sliding = 0 if begin else m
+        sliding = 0 if begin else padded
         stiff, pull = smooth[0], pushed[row]
         if not begin:
+            stiff = rigid
             for j in range(arms):
-                stiff += arm[j, 0]
                 pull += arm[j, 0] * far[j]
         held_back = 0.0
         if drag > 0.0 and not begin:
@@ -163,28 +171,35 @@ def balance(  # type: ignore[no-untyped-def]
         asked = now
         for stage in range(1 if begin else stages):
             if stage == 1:
+                if waited != dwell[t] or eased != yielding:
+                    waited, eased = dwell[t], yielding
+                    for j in range(arms):
+                        pace = max(1.0 - arm[j, 0] * yielding, 1e-3)
+                        gone[j] = -np.expm1(-pace * waited / arm[j, 1]) / pace
+                late = 0.0
                 for j in range(arms):
-                    pace = max(1.0 - arm[j, 0] * yielding, 1e-3)
-                    gone = -np.expm1(-pace * dwell[t] / arm[j, 1]) / pace
-                    pull += arm[j, 0] * (theta - far[j]) * gone
-                    far[j] += (theta - far[j]) * gone
+                    moved = (theta - far[j]) * gone[j]
+                    late += arm[j, 0] * moved
+                    far[j] += moved
+                pull += late
+                at += late * yielding
             low, high, under, over = -1e300, 1e300, -1.0, 1.0
             for sweep in range(SWEEPS):
-                load, steep = at * stiff - pull, stiff
-                if bent:
+                load, steep, before = at * stiff - pull, stiff, slope
+                if cubic != 0.0:
                     load += cubic * at * at * at
                     steep += 3.0 * cubic * at * at
-                    if more:
-                        other, steeper = _stops(at, radian, gravity, zero, contact)
-                        load += other
-                        steep += steeper
+                if more:
+                    other, steeper = _stops(at, radian, gravity, zero, contact)
+                    load += other
+                    steep += steeper
                 step = at - theta
-                for i in range(sliding):
-                    free = force[i] + k[i] * step
-                    held = min(max(free, down[i]), up[i])
-                    trial[i] = held
-                    load += held
-                    steep += k[i] if free == held else 0.0
+                for block in range(0, sliding, LANES):
+                    for i in range(block, block + LANES):
+                        free = force[i] + k[i] * step
+                        held = min(max(free, down[i]), up[i])
+                        load += held
+                        steep += k[i] if free == held else 0.0
                 rest, slope, wires = at + load - q[row], 1.0 + steep, 1.0
                 for j in range(gives):
                     turned = (give[j, 2] * (at - give[j, 3]) + load) / give[j, 1]
@@ -195,9 +210,9 @@ def balance(  # type: ignore[no-untyped-def]
                     rest += give[j, 0] * ((1.0 - left) if turned > 0.0 else (left - 1.0))
                     slope += give[j, 0] * left / give[j, 1] * (give[j, 2] + steep)
                     wires += give[j, 0] * left / give[j, 1]
-                for j in range(loose.shape[0]):
+                for j in range(looses):
                     pulled = loose[j, 2] * (at - loose[j, 3]) + load
-                    extra, share = _loose(pulled, loose[j, 0], loose[j, 1])
+                    extra, share = _loose(pulled, loose[j, 0], loose[j, 1], slack[j])
                     rest += extra
                     slope += share * (loose[j, 2] + steep)
                     wires += share
@@ -205,7 +220,8 @@ def balance(  # type: ignore[no-untyped-def]
                     rest += load - pretension if load > 0.0 else load + pretension
                     slope += steep
                     wires += 1.0
-                yielding = 1.0 / max(slope, 0.05)
+                slope = max(slope, 0.05)
+                yielding = 1.0 / slope
                 move = rest * yielding
                 if abs(move) < PRECISE:
                     break
@@ -217,17 +233,22 @@ def balance(  # type: ignore[no-untyped-def]
                 if at <= low or at >= high:
                     share = 0.5 if sweep % 2 else under / (under - over)
                     at = low + share * (high - low)
+                elif (
+                    m == 0
+                    and SAFE * move * move * abs(slope - before) < PRECISE * abs(step) * slope
+                ):
+                    break
             firm = max(slope / wires - held_back, SOFTEST)
-            theta = at
             for i in range(sliding):
-                force[i] = trial[i]
+                force[i] = min(max(force[i] + k[i] * (at - theta), down[i]), up[i])
+            theta = at
         if begin:
             far[:] = theta
         else:
             out[t] = theta
     after = np.empty(3 + m + arms)
     after[0], after[1] = asked, theta
-    after[2 : 2 + m], after[2 + m : -1], after[-1] = force, far, firm
+    after[2 : 2 + m], after[2 + m : -1], after[-1] = force[:m], far, firm
     return out, after
 
 
@@ -243,22 +264,33 @@ def settle(
     slope: mean slope of the nominal curve [angle unit/drive unit].
     """
     loads = [cast(BalancedTerm, p.term).load(p.values, motion) for p in pieces]
-    slip = np.concatenate([load.slip for load in loads])
-    arm = np.concatenate([load.arm for load in loads])
-    contact = np.concatenate([load.contact for load in loads])
-    give = np.concatenate([load.give for load in loads])
-    loose = np.concatenate([load.loose for load in loads]) * [slope, slope, 1.0, slope]
-    smooth = np.sum([load.smooth for load in loads], axis=0)
+    slip, arm = stacked([load.slip for load in loads]), stacked([load.arm for load in loads])
+    give, contact = (
+        stacked([load.give for load in loads]),
+        stacked([load.contact for load in loads]),
+    )
+    loose = stacked([load.loose for load in loads])
+    if len(loose):
+        loose = loose * [slope, slope, 1.0, slope]
+    smooth = loads[0].smooth if len(loads) == 1 else np.sum([load.smooth for load in loads], axis=0)
     pushed = np.zeros(len(asked))
     for load in loads:
         if load.pushed is not None:
             pushed += load.pushed
     carried = np.zeros(4 + len(slip) + len(arm)) if state is None else state
-    last = motion.time_s[0] if state is None else carried[0]
-    dwell = np.diff(motion.time_s, prepend=last)
+    drag, dwell = sum(load.drag for load in loads), pushed
+    if len(arm) or drag > 0.0:
+        last = motion.time_s[0] if state is None else carried[0]
+        dwell = np.diff(motion.time_s, prepend=last)
     angle, after = balance(
-        np.ascontiguousarray(asked), pushed, dwell, carried[1:], slip, arm,
-        sum(load.drag for load in loads), smooth, motion.radian, contact, give, loose,
+        np.ascontiguousarray(asked), pushed, dwell, carried[1:], slip, arm, drag,
+        np.array(smooth), motion.radian, contact, give, loose,
         min(load.pretension for load in loads), state is None,
     )  # fmt: skip
     return angle, np.concatenate([motion.time_s[-1:], after])
+
+
+def stacked(parts: Sequence[np.ndarray]) -> np.ndarray:
+    """All rows of some tables of equal width."""
+    filled = [part for part in parts if len(part)] or parts[:1]
+    return filled[0] if len(filled) == 1 else np.concatenate(filled)

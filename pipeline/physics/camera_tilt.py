@@ -12,7 +12,7 @@ def projected(angle_rad: np.ndarray, foreshortening: float, direction_rad: float
         foreshortening * np.sin(angle_rad - direction_rad), np.cos(angle_rad - direction_rad)
     )
     home = np.arctan2(-foreshortening * np.sin(direction_rad), np.cos(direction_rad))
-    return np.angle(np.exp(1j * (seen - home)))
+    return np.remainder(seen - home + np.pi, 2.0 * np.pi) - np.pi
 
 
 class CameraTilt(Term):

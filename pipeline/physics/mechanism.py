@@ -82,11 +82,25 @@ class Mechanism:
             signal, after["balance"] = settle(
                 signal, balanced, motion, self.curve.slope, before.get("balance")
             )
-        body = signal
+        return self._sensed(signal, pieces, motion, before, after)
+
+    def sensed(self, body: np.ndarray, motion: Motion) -> Trace:
+        """The same for a joint of which all angles (n,) are known."""
+        return self._sensed(body, sorted(self.pieces, key=_place), motion, {}, {})
+
+    def _sensed(
+        self,
+        body: np.ndarray,
+        pieces: Sequence[Piece],
+        motion: Motion,
+        before: State,
+        after: dict[str, np.ndarray],
+    ) -> Trace:
+        seen = body
         for piece in pieces:
             if not (piece.term.before_curve or piece.term.in_balance):
-                signal = _apply(piece, signal, motion, before, after)
-        return Trace(body, signal, after)
+                seen = _apply(piece, seen, motion, before, after)
+        return Trace(body, seen, after)
 
 
 def _place(piece: Piece) -> int:
