@@ -14,6 +14,7 @@ from hydra.types import RunMode
 from omegaconf import DictConfig, OmegaConf
 from omegaconf.errors import OmegaConfBaseException
 
+from pipeline import quick_compose
 from pipeline.collecting import conclude
 from pipeline.config import CONF, Config, check_config, register_schemas
 from pipeline.config_errors import explain
@@ -35,6 +36,7 @@ def run_command_line() -> int:
     os.environ.setdefault("HYDRA_FULL_ERROR", "1")
     signal.signal(signal.SIGTERM, _interrupt)
     register_schemas(ConfigStore.instance())
+    quick_compose.install()
     try:
         sweep = sweep_asked(sys.argv[1:], CONF)
         if sweep is None:
