@@ -1,6 +1,7 @@
 """The schemas of all configuration; `conf/` holds the choices."""
 
 from dataclasses import dataclass, field
+from operator import attrgetter
 from pathlib import Path
 
 from hydra.core.config_store import ConfigStore
@@ -243,10 +244,24 @@ class ToleranceConfig:
 
 
 @dataclass
+class HeldoutConfig:
+    """Which rows no fit and no choice sees.
+
+    `kind` is `every_third` cycle (the last third of the rows where there are fewer than three
+    cycles), `last_third` of the rows, or `after_s`: all rows later than so many seconds after the
+    first one.
+    """
+
+    kind: str = "every_third"
+    after_s: float | None = None
+
+
+@dataclass
 class DiagnosisConfig:
     """How a mismatch is looked for."""
 
     tolerance: ToleranceConfig = field(default_factory=ToleranceConfig)
+    heldout: HeldoutConfig = field(default_factory=HeldoutConfig)
 
 
 @dataclass
@@ -318,6 +333,7 @@ CHOICES: dict[str, tuple[str, ...]] = {
     "split.kind": ("paper", "leave_three_out", "k_fold", "explicit"),
     "selection.criterion": ("bic", "aic", "heldout"),
     "simulation.kind": ("recorded", "mechanism", "python"),
+    "diagnosis.heldout.kind": ("every_third", "last_third", "after_s"),
 }
 
 
@@ -336,10 +352,17 @@ def check_config(config: Config) -> None:
         if stage not in (*STAGES, *EXTRA_STAGES):
             _refuse("stages", (*STAGES, *EXTRA_STAGES), stage)
     for key, choices in CHOICES.items():
-        section, name = key.split(".")
-        found = getattr(getattr(config, section), name)
+        found = attrgetter(key)(config)
         if found not in choices:
             _refuse(key, choices, found)
+
+
+    heldout = config.diagnosis.heldout
+    if heldout.kind == "after_s" and (heldout.after_s is None or heldout.after_s <= 0.0):
+        raise UsageError(
+            refusal("configuration, diagnosis.heldout.after_s", "seconds after the first row",
+                    repr(heldout.after_s), "Say how long a fit may look: after_s=30.")
+        )  # fmt: skip
 
 
 def _refuse(key: str, choices: tuple[str, ...], found: str) -> None:

@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from pipeline.config import DiagnosisConfig, ToleranceConfig
+from pipeline.config import DiagnosisConfig, HeldoutConfig, ToleranceConfig
 from pipeline.errors import LoopgapError, refusal
 from pipeline.physics.kinematics import Curve, IdentityCurve, sampled_curve
 from pipeline.physics.motion import Motion
@@ -73,8 +73,17 @@ def pose_problem(
     motion, curve, drive, static = driven_by(recording, measurement, simulated)
     measured = recording.values(measurement)
     known = np.isfinite(measured) & np.isfinite(simulated)
-    heldout = held_out_rows(motion.cycle, known)
+    heldout = held_out_rows(config.heldout, motion, known)
     train = known & ~heldout
+    if not (known & heldout).any():
+        raise DiagnosisError(
+            refusal(
+                f"measurement {measurement!r}",
+                "measured rows that are held out",
+                f"none ({config.heldout.kind}, after_s={config.heldout.after_s})",
+                "Hold out other rows: see diagnosis.heldout.",
+            )
+        )
     if train.sum() < FEWEST_SAMPLES:
         raise DiagnosisError(
             refusal(
@@ -91,14 +100,20 @@ def pose_problem(
     )  # fmt: skip
 
 
-def held_out_rows(cycle: np.ndarray, known: np.ndarray) -> np.ndarray:
-    """Rows of every third cycle, or the last third of the known rows where that would be nothing.
+def held_out_rows(config: HeldoutConfig, motion: Motion, known: np.ndarray) -> np.ndarray:
+    """Rows (n,) that are held out, of those that are known (n,).
 
-    So it is where there are fewer than three cycles, or where none of those was measured.
+    Of every third cycle, the last third of the known rows where there are fewer than three cycles,
+    or where none or all of those rows were measured; or as the configuration says otherwise.
     """
+    cycle = motion.cycle
+    if config.kind == "after_s":
+        rows: np.ndarray = motion.time_s - motion.time_s[0] > (config.after_s or 0.0)
+        return rows
     numbers = np.unique(cycle)
     rows = np.isin(cycle, numbers[HELD_OUT_EVERY - 1 :: HELD_OUT_EVERY])
-    if len(numbers) < HELD_OUT_EVERY or not rows[known].any() or rows[known].all():
+    few = len(numbers) < HELD_OUT_EVERY or not rows[known].any() or rows[known].all()
+    if few or config.kind == "last_third":
         rows = np.zeros(len(cycle), dtype=bool)
         have = np.flatnonzero(known)
         if len(have):

@@ -6,10 +6,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pipeline.config import DiagnosisConfig
+from pipeline.config import DiagnosisConfig, HeldoutConfig
 from pipeline.discrepancy.diagnose import unproven
 from pipeline.discrepancy.problem import DiagnosisError, held_out_rows
 from pipeline.discrepancy.result import VERDICTS, Errors, as_json
+from pipeline.physics.motion import Motion
 from pipeline.recording import Recording
 from pipeline.stages.diagnosis import diagnose
 from tests.discrepancy.made import NOISE, recorded
@@ -126,13 +127,16 @@ def test_held_out_cycles_touch_neither_fit_nor_choice():
 
 
 def test_held_out_are_every_third_cycle_or_the_last_third():
+    def held(cycle, known, kind="every_third", after_s=None):
+        motion = Motion(np.arange(len(cycle), dtype=float), 100.0 + np.arange(len(cycle)), cycle)
+        return np.flatnonzero(held_out_rows(HeldoutConfig(kind, after_s), motion, known)).tolist()
+
     nine = np.repeat(np.arange(9), 4)
     known = np.ones(36, dtype=bool)
-    assert set(nine[held_out_rows(nine, known)]) == {2, 5, 8}
-    one = np.zeros(30, dtype=int)
-    assert np.flatnonzero(held_out_rows(one, np.ones(30, dtype=bool))).tolist() == list(
-        range(20, 30)
-    )
+    assert set(nine[held(nine, known)]) == {2, 5, 8}
+    assert held(nine, known, "last_third") == list(range(24, 36))
+    assert held(nine, known, "after_s", 30.0) == list(range(31, 36))
+    assert held(np.zeros(30, dtype=int), known[:30]) == list(range(20, 30))
 
 
 def test_a_wrong_factor_is_no_calibration():
