@@ -38,7 +38,9 @@ def located_in(evidence: Evidence, residual: np.ndarray) -> tuple[Located, ...]:
     """
     looked_at = np.where(evidence.train, residual, np.nan)
     recording = evidence.recording
-    motion = replace(evidence.motion, drive=recording.values(evidence.drive))
+    others = {n: u for n, u in evidence.motion.others.items() if n != evidence.drive}
+    drive = recording.values(evidence.drive)
+    motion = replace(evidence.motion, drive=drive, others=others)
     unit = recording.channel(evidence.measurement).unit
     drive_unit = recording.channel(evidence.drive).unit
     return tuple(locate(looked_at, motion, evidence.before, unit, drive_unit))

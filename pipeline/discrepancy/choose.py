@@ -10,6 +10,7 @@ from pipeline.discrepancy.moments import settle_moments
 from pipeline.discrepancy.noise_family import NoiseFamily
 from pipeline.discrepancy.screen import Effects, Lead, screen, started
 from pipeline.physics.catalogue import richer
+from pipeline.physics.coupling import Coupling
 from pipeline.physics.mechanism import Piece
 from pipeline.physics.term import Term
 
@@ -24,6 +25,8 @@ SECOND_SIDE = 1.0
 WORTH = 150.0
 EARLIER = 6
 LAGGARD, CLEAR = 0.3, 60.0
+
+SIDED = ("contact", "end_stop")
 
 Key = frozenset[tuple[str, str]]
 Place = tuple[int, int, int]
@@ -85,7 +88,7 @@ def complexity(fit: Fit) -> float:
     charge = 0.0
     for i, piece in enumerate(fit.pieces):
         charge += VOID if piece.term.void(piece.values) else 0.0
-        again = piece.term.name in fit.names[:i]
+        again = piece.term.name in SIDED and piece.term.name in fit.names[:i]
         charge += (SECOND_SIDE if again else TERM_COST) + UNLIKELY.get(piece.term.name, 0.0)
         for p, value in zip(parameters_of(fit.ground, piece.term), piece.values, strict=True):
             nothing = p.weak or (value <= p.low and p.typical > 0.0)
@@ -190,17 +193,21 @@ def by_term(leads: Sequence[Lead]) -> list[list[Lead]]:
 
 
 def allowed(terms: Sequence[Term], fit: Fit) -> list[Term]:
-    """Terms that may stand beside those of a fit: no name twice but for sides, no two plays."""
+    """Terms that may stand beside those of a fit: no name twice but for sides, no two plays.
+
+    A coupling may stand once for each command.
+    """
     names = {p.term.name for p in fit.pieces}
     groups = {p.term.group for p in fit.pieces if p.term.group}
     keys = {(p.term.name, p.term.form) for p in fit.pieces}
-    sided = ("contact", "end_stop")
+    coupled = {p.term.channel for p in fit.pieces if isinstance(p.term, Coupling)}
     return [
         t
         for t in terms
         if (t.name, t.form) not in keys
-        and (t.name not in names or t.name in sided)
+        and (t.name not in names or t.name in (*SIDED, Coupling.name))
         and not (t.group and t.group in groups)
+        and not (isinstance(t, Coupling) and t.channel in coupled)
     ]
 
 

@@ -6,6 +6,7 @@ import numpy as np
 
 from pipeline.discrepancy.choose import Choice, Search, choose, choose_again, polished
 from pipeline.discrepancy.fit import ground_of
+from pipeline.discrepancy.foretold import foretelling
 from pipeline.discrepancy.noise_family import noise_family
 from pipeline.discrepancy.noise_learning import NoisePrior, learn_noise
 from pipeline.discrepancy.outliers import isolated
@@ -16,6 +17,7 @@ from pipeline.physics.term import Term
 from pipeline.recording import reversals_of
 
 MOST_UNSETTLED = 0.1
+OF_ONE_SHAFT = ("transmission_ripple",)
 INCREDIBLE, MOST_INCREDIBLE = 4.3, 0.03
 
 
@@ -52,6 +54,8 @@ def explain(problem: Problem) -> Explanation:
         search = Search(candidates, effects, noise_family(prior, problem.cycle, used))
         choices = choose_again(search, ground_of(problem, prior.model, used), choices)
     choices = polished(search, choices)
+    if prior.repeats == 0:
+        choices = foretelling(choices)
     outliers = mistaken_rows(problem, choices[0], prior.finest)
     return Explanation(problem, prior, search, choices, outliers, used)
 
@@ -73,11 +77,16 @@ def mistaken_rows(problem: Problem, choice: Choice, finest: float) -> np.ndarray
 
 
 def excited_terms(problem: Problem) -> tuple[Term, ...]:
-    """Terms that these commands could have shown; outliers are found otherwise."""
+    """Terms that these commands could have shown; outliers are found otherwise.
+
+    What depends on a shaft's angle can't be put into a trace that mixes several of them.
+    """
     return tuple(
         t
         for t in terms(problem.motion.others)
-        if t.excited(problem.motion, problem.around) and t.name != "marker_outliers"
+        if t.excited(problem.motion, problem.around)
+        and t.name != "marker_outliers"
+        and not (problem.mixed and t.name in OF_ONE_SHAFT)
     )
 
 

@@ -15,6 +15,7 @@ CAP = 16.0
 MIDDLE = 3
 JITTER_COST = 0.5
 WALK_COST = 1.0
+WALK_UNREPEATED = 12.0  # where nothing repeats, a walk is charged like the drift that it hides
 
 
 @dataclass(frozen=True)
@@ -31,6 +32,11 @@ class NoiseFamily:
     shapes: Sequence[tuple[float, float]]
     strain: np.ndarray
     filters: dict[tuple[int, int, int], tuple[np.ndarray, float]] = field(default_factory=dict)
+
+    @property
+    def jitters(self) -> bool:
+        """Whether a cycle's zero may jitter: only where cycles repeat is that no physics."""
+        return self.prior.repeats > 0
 
     def unit(self, place: tuple[int, int, int]) -> NoiseModel:
         """The noise at a place of the grid, its deviation 1."""
@@ -62,7 +68,8 @@ class NoiseFamily:
         cost += log_scales
         off = abs(log_scale - learnt) / sure
         cost += off**2 if off < 2.0 else 4.0 * (off - 1.0)
-        cost += JITTER_COST * (place[1] > 0) + WALK_COST * (place[2] > 0)
+        walk_cost = WALK_COST if self.prior.repeats > 0 else WALK_UNREPEATED
+        cost += JITTER_COST * (place[1] > 0) + walk_cost * (place[2] > 0)
         return cost + float(self.strain[place[0]]), float(np.exp(log_scale))
 
     def pick(
@@ -71,13 +78,15 @@ class NoiseFamily:
         """The likeliest noise for a residual (n,), by descent over the grid from a place."""
         filled = np.where(self.used, residual, 0.0)
         shape = start[0]
-        begins = {start, (shape, 0, 0), (shape, MIDDLE, 0), (shape, 0, MIDDLE)}
+        begins = {start, (shape, 0, 0), (shape, 0, MIDDLE)}
+        begins |= {(shape, MIDDLE, 0)} if self.jitters else set()
         known = {place: self.weigh(place, filled) for place in begins}
         best = min(known, key=lambda place: known[place][0])
         while True:
             shape, jitter, walk = best
             moves = [(other, jitter, walk) for other in range(len(self.shapes))]
-            moves += [(shape, j, walk) for j in (jitter - 1, jitter + 1) if 0 <= j < len(JITTERS)]
+            most = len(JITTERS) if self.jitters else 1
+            moves += [(shape, j, walk) for j in (jitter - 1, jitter + 1) if 0 <= j < most]
             moves += [(shape, jitter, w) for w in (walk - 1, walk + 1) if 0 <= w < len(WALKS)]
             for move in moves:
                 if move not in known:

@@ -1,5 +1,6 @@
 """The problem of one measurement: what drove it, what was measured, what may be fitted."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -15,6 +16,7 @@ HELD_OUT_EVERY = 3
 STATIC_ERROR = 2e-3
 FEWEST_SAMPLES = 40
 MOST_ROWS = 6000
+MIXED = 0.05
 
 
 class DiagnosisError(LoopgapError):
@@ -43,6 +45,11 @@ class Problem:
     @property
     def cycle(self) -> np.ndarray:
         return self.motion.cycle
+
+    @property
+    def mixed(self) -> bool:
+        """Whether the simulation's trace mixes commands: then no one shaft is behind it."""
+        return self.drive in self.motion.others
 
     def rows(self, wanted: np.ndarray) -> "Problem":
         """The same problem on some of its rows (indices)."""
@@ -127,7 +134,8 @@ def driven_by(
     """The motion, the nominal curve, the driving command's name, and whether it is static.
 
     Where the simulation is a static curve of a command, that command drives and the curve is
-    learnt from the two. Otherwise the simulation's trace drives, and no curve follows.
+    learnt from the two. Otherwise the simulation's trace drives, and no curve follows; where that
+    trace mixes several commands, each of them is one of the others too.
     """
     commands = {c.name: recording.values(c.name) for c in recording.with_role("command")}
     if not commands:
@@ -146,16 +154,37 @@ def driven_by(
     else:
         rows = np.arange(len(simulated))
         signal = np.interp(rows, rows[known], simulated[known])
-    others = {n: u for n, u in commands.items() if n != drive or not static}
+    mixed = not static and mixes(commands, drive, simulated)
+    others = {n: u for n, u in commands.items() if n != drive or mixed}
     unit = recording.channel(measurement).unit
     motion = Motion(
         drive=np.ascontiguousarray(signal, dtype=float),
         time_s=recording.values("time_s"),
         cycle=recording.values("cycle").astype(np.int64),
-        others={n: u for n, u in others.items() if n != drive},
+        others=others,
         radian=180.0 / np.pi if unit == "deg" else 1.0,
     )
     return motion, curve, drive, static
+
+
+def mixes(commands: Mapping[str, np.ndarray], drive: str, simulated: np.ndarray) -> bool:
+    """Whether a simulation moves with other commands about as well as with the driving one.
+
+    It does where a line in all commands leaves less than half of what a line in the driving one
+    leaves, and that is more than MIXED of the simulation's variance.
+    """
+    known = np.isfinite(simulated)
+    moving = {n: u[known] for n, u in commands.items() if np.ptp(u[known]) > 0.0}
+    if len(moving) < 2:
+        return False
+    target = simulated[known] - simulated[known].mean()
+    left = []
+    for names in ([drive], list(moving)):
+        columns = np.column_stack([moving[n] - moving[n].mean() for n in names if n in moving])
+        weights = np.linalg.lstsq(columns, target, rcond=None)[0] if columns.size else []
+        rest = target - columns @ weights if columns.size else target
+        left.append(float(rest @ rest) / max(float(target @ target), 1e-300))
+    return left[0] > MIXED and left[1] < 0.5 * left[0]
 
 
 def _kin(command: str, measurement: str) -> bool:
@@ -194,7 +223,6 @@ def surroundings_of(
     steps = np.abs(np.diff(motion.drive))
     unit = recording.channel(measurement).unit
     known = simulated[np.isfinite(simulated)]
-    others = [recording.channel(n).unit for n in motion.others]
     return Surroundings(
         drive_span=float(np.ptp(motion.drive)),
         drive_low=float(np.min(motion.drive)),
@@ -209,7 +237,7 @@ def surroundings_of(
         drive_unit=recording.channel(drive).unit if static else unit,
         angle_unit=unit,
         other_span={n: float(np.ptp(u)) for n, u in motion.others.items()},
-        other_unit=others[0] if others else "",
+        other_unit={n: recording.channel(n).unit for n in motion.others},
     )
 
 

@@ -16,6 +16,7 @@ HEAVY, LIGHT, LOPSIDED, UNEVEN = 1.5, -0.45, 0.45, 40.0
 SLOW, SLOW_SHARE = 0.87, 0.5
 SWOLLEN, STRAINED = 1.3, 8.0
 ENOUGH = 0.7
+CHANCE = 4.0  # deviations of what chance gives, which few samples exceed the limits with
 INTOLERABLE = 5.0
 UNFOLLOWED = 0.7
 BINS = 8
@@ -90,10 +91,11 @@ def odd_signs(explanation: Explanation, choice: Choice) -> dict[str, float]:
     direction = branch_of(drive)[used]
     noise, learnt = fit.ground.noise, explanation.prior.model.deviation
     tails = float(kurtosis(e))
+    heavy, lopsided = CHANCE * np.sqrt(24.0 / len(e)), CHANCE * np.sqrt(6.0 / len(e))
     out: dict[str, float] = {}
-    if tails > HEAVY or tails < LIGHT:
+    if tails > max(HEAVY, heavy) or tails < min(LIGHT, -heavy):
         out["single samples"] = tails
-    if abs(float(skew(e * direction))) > LOPSIDED:
+    if abs(float(skew(e * direction))) > max(LOPSIDED, lopsided):
         out["the direction"] = float(skew(e * direction))
     if np.ptp(drive) > 0 and unevenness(e, drive[used], direction) > UNEVEN:
         out["the command"] = UNEVEN

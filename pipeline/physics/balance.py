@@ -14,7 +14,7 @@ length t it pulls as a spring of stiffness r / (exp(r t / drag) - 1), which is e
 is linear with the stiffness r.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Protocol, cast
 
@@ -30,6 +30,7 @@ NO_SLIP = np.zeros((0, 3))
 NO_ARM = np.zeros((0, 2))
 NO_GIVE = np.zeros((0, 4))
 NO_CONTACT = np.zeros((0, 4))
+BALANCE = "balance"
 SWEEPS = 40
 PRECISE = 1e-6
 FAR = 14.0
@@ -54,6 +55,7 @@ class Load:
     pretension: load beyond which one of two wires hangs slack and the other gives twice [angle].
     drag: viscous load over speed [s]: the time constant of a joint without other loads.
     pushed: (n,) load from outside that moves a free joint by as much [angle]; None where none.
+    carried: what the term must know to go on from the last sample.
     """
 
     slip: np.ndarray = field(default_factory=lambda: NO_SLIP)
@@ -65,12 +67,13 @@ class Load:
     pretension: float = np.inf
     drag: float = 0.0
     pushed: np.ndarray | None = None
+    carried: np.ndarray = field(default_factory=lambda: np.zeros(0))
 
 
 class BalancedTerm(Protocol):
     """A term that has a load."""
 
-    def load(self, values: np.ndarray, motion: Motion) -> Load: ...
+    def load(self, values: np.ndarray, motion: Motion, state: np.ndarray | None) -> Load: ...
 
 
 @njit(cache=True, fastmath=True, error_model="numpy")
@@ -258,12 +261,18 @@ def settle(
     motion: Motion,
     slope: float,
     state: np.ndarray | None,
-) -> tuple[np.ndarray, np.ndarray]:
-    """Joint angles, shape (n,), and the state to carry; unstressed at the first sample.
+    memory: Mapping[str, np.ndarray],
+) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+    """Joint angles, shape (n,), and the states to carry; unstressed at the first sample.
 
-    slope: mean slope of the nominal curve [angle unit/drive unit].
+    slope: mean slope of the nominal curve [angle unit/drive unit]. state: the balance's own.
+    memory: states of the terms that have one beside it, by their names with forms.
     """
-    loads = [cast(BalancedTerm, p.term).load(p.values, motion) for p in pieces]
+    keys = [f"{p.term.name}/{p.term.form}" for p in pieces]
+    loads = [
+        cast(BalancedTerm, p.term).load(p.values, motion, memory.get(key))
+        for p, key in zip(pieces, keys, strict=True)
+    ]
     slip, arm = stacked([load.slip for load in loads]), stacked([load.arm for load in loads])
     give, contact = (
         stacked([load.give for load in loads]),
@@ -287,7 +296,8 @@ def settle(
         np.array(smooth), motion.radian, contact, give, loose,
         min(load.pretension for load in loads), state is None,
     )  # fmt: skip
-    return angle, np.concatenate([motion.time_s[-1:], after])
+    states = {key: load.carried for key, load in zip(keys, loads, strict=True) if load.carried.size}
+    return angle, {BALANCE: np.concatenate([motion.time_s[-1:], after]), **states}
 
 
 def stacked(parts: Sequence[np.ndarray]) -> np.ndarray:

@@ -7,7 +7,7 @@ from pipeline.physics.backlash import Backlash
 from pipeline.physics.camera_tilt import CameraTilt
 from pipeline.physics.compliance import Compliance
 from pipeline.physics.contact import Contact
-from pipeline.physics.coupling import Coupling
+from pipeline.physics.coupling import WITH_PLAY, Coupling
 from pipeline.physics.creep import Creep
 from pipeline.physics.drift import Drift
 from pipeline.physics.end_stop import EndStop
@@ -71,7 +71,10 @@ def richer(term: Term) -> tuple[Term, ...]:
         ("contact", "upper"): (Contact("upper unloading"),),
         ("contact", "lower"): (Contact("lower unloading"),),
         ("frame_lag", "time"): (FrameLag("frames"),),
+        ("response_lag", "first"): (ResponseLag("second"),),
     }
+    if isinstance(term, Coupling) and not term.plays:
+        return (Coupling(f"{term.form}{WITH_PLAY}"),)
     return others.get((term.name, term.form), ())
 
 

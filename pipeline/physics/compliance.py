@@ -44,7 +44,7 @@ class Compliance(Term):
         stretch = values[1] if self.form == "joint" else values[2]
         return bool(values[0] == 0.0 and stretch == 0.0)
 
-    def load(self, values: np.ndarray, motion: Motion) -> Load:
+    def load(self, values: np.ndarray, motion: Motion, state: np.ndarray | None) -> Load:
         if self.form == "joint":
             return Load(smooth=(float(values[1]), float(values[0]), 0.0, 0.0))
         softness, reach, stretch, stiffness = values

@@ -46,7 +46,7 @@ class Contact(Term):
             Parameter("pretension", unit, 1e-3 * span, 0.4 * span, 0.05 * span, 0.05 * span),
         )
 
-    def load(self, values: np.ndarray, motion: Motion) -> Load:
+    def load(self, values: np.ndarray, motion: Motion, state: np.ndarray | None) -> Load:
         contact = np.array([[self.side, values[1], values[0], values[2]]])
         return Load(contact=contact, pretension=values[3] if len(values) > 3 else np.inf)
 

@@ -2,41 +2,89 @@
 
 import numpy as np
 
+from pipeline.physics.backlash import play
 from pipeline.physics.balance import Load
 from pipeline.physics.motion import Motion
 from pipeline.physics.term import Parameter, Surroundings, Term
 
+WITH_PLAY = "/play"
+
 
 class Coupling(Term):
-    """A load gain * v + bend * v^2 on the joint, v the other axis's command (channel `form`).
+    """A load on the joint by the other axis's command v, whose channel is the first part of `form`.
 
+    Form "channel": gain v + bend v^2. Form "channel/play": drag (v - P(v)) besides, P being the
+    play operator of `width`: what the other wire drags along until it slips. drag = -gain is a
+    coupling through a wire that has play itself, gain = 0 a coupling by that wire's friction alone.
     In the balance, so that friction, slack and contact answer to it; a free joint moves by as much.
-    Source: wires of one joint that run through another, first two terms of the power series.
+    Source: wires of one joint that run through another, first two terms of the power series; play
+    operator as in `backlash.py`, v - P(v) is its stop operator (Brokate and Sprekels, Hysteresis
+    and Phase Transitions (1996), section 2.3).
     """
 
     name = "coupling"
     site = "body"
     in_balance = True
-    says = "The other axis moves this one too, by {gain} of its command."
+    says = "The command {other} moves this one too, by {gain} of it."
+    says_with_play = (
+        "The command {other} moves this one too, by {gain} of it, and drags it along by {drag} of "
+        "the first {width} after each of its reversals."
+    )
 
     def __init__(self, form: str = "") -> None:
         self.form = form
+        self.channel = form.removesuffix(WITH_PLAY)
+        self.plays = form.endswith(WITH_PLAY)
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
-        other = max(0.5 * around.other_span.get(self.form, 1.0), 1e-9)
+        span = max(around.other_span.get(self.channel, 2.0), 1e-9)
+        other = 0.5 * span
         reach = around.angle_span / other
-        unit, bend = f"{around.angle_unit}/{around.other_unit}", reach / other
-        return (
+        others = around.other_unit.get(self.channel, "deg")
+        unit, bend = f"{around.angle_unit}/{others}", reach / other
+        own = (
             Parameter("gain", unit, -reach, reach, 0.05 * reach, 0.05 * reach),
             Parameter("bend", f"{unit}^2", -bend, bend, 0.0, 0.02 * bend),
         )
+        if not self.plays:
+            return own
+        return (
+            *own,
+            Parameter("drag", unit, -reach, reach, 0.05 * reach, 0.05 * reach),
+            Parameter("width", others, 0.0, 0.9 * span, 0.1 * span, 0.05 * span),
+        )
 
-    def load(self, values: np.ndarray, motion: Motion) -> Load:
-        other = motion.others[self.form]
-        return Load(pushed=other * (values[0] + values[1] * other))
+    def load(self, values: np.ndarray, motion: Motion, state: np.ndarray | None) -> Load:
+        other = motion.others[self.channel]
+        pushed = other * (values[0] + values[1] * other)
+        if not self.plays:
+            return Load(pushed=pushed)
+        start = float(other[0]) if state is None else float(state[0])
+        slipped = play(np.ascontiguousarray(other), 0.5 * float(values[3]), start)
+        return Load(
+            pushed=pushed + values[2] * (other - slipped), carried=slipped[-1:]
+        )
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
-        return np.array([[self.parameters(around)[0].start, 0.0]])
+        start = [self.parameters(around)[0].start, 0.0]
+        if not self.plays:
+            return np.array([start])
+        drag, span = start[0], around.other_span.get(self.channel, 2.0)
+        return np.array(
+            [[*start, d, w * span] for w in (0.05, 0.15, 0.35) for d in (-4.0 * drag, 4.0 * drag)]
+        )
+
+    def void(self, values: np.ndarray) -> bool:
+        return bool(values[0] == 0.0 and (not self.plays or values[2] == 0.0))
 
     def excited(self, motion: Motion, around: Surroundings) -> bool:
-        return around.other_span.get(self.form, 0.0) > 0.0
+        return around.other_span.get(self.channel, 0.0) > 0.0
+
+    def sentence(self, values: np.ndarray, around: Surroundings) -> str:
+        named = {
+            p.name: f"{value:.3g} {p.unit}"
+            for p, value in zip(self.parameters(around), values, strict=True)
+        }
+        return (self.says_with_play if self.plays else self.says).format(
+            other=self.channel, **named
+        )

@@ -55,7 +55,7 @@ class Creep(Term):
             Parameter("time_constant_2", "s", 0.2 * dwell, 3 * longest, 80.0 * dwell, 0.0),
         )
 
-    def load(self, values: np.ndarray, motion: Motion) -> Load:
+    def load(self, values: np.ndarray, motion: Motion, state: np.ndarray | None) -> Load:
         share, time_constant = values[0::2], values[1::2]
         stiffness = share / (1.0 - share)
         return Load(arm=np.column_stack([stiffness, time_constant * (1.0 - share)]))

@@ -36,7 +36,7 @@ class EndStop(Term):
             Parameter("softness", unit, 1e-3 * span, 0.03 * span, 0.003 * span, 0.005 * span),
         )
 
-    def load(self, values: np.ndarray, motion: Motion) -> Load:
+    def load(self, values: np.ndarray, motion: Motion, state: np.ndarray | None) -> Load:
         return Load(contact=np.array([[self.side, values[0], HARD, values[1]]]))
 
     def void(self, values: np.ndarray) -> bool:

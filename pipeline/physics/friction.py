@@ -42,7 +42,7 @@ class Friction(Term):
             return own
         return (*own, Parameter("asymmetry", "", -0.9, 0.9, 0.0, 0.3))
 
-    def load(self, values: np.ndarray, motion: Motion) -> Load:
+    def load(self, values: np.ndarray, motion: Motion, state: np.ndarray | None) -> Load:
         width, reach, spread = values[:3]
         asymmetry = values[3] if len(values) > 3 else 0.0
         reaches = reach * (1.0 - spread + spread * QUANTILES)

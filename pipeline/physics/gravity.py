@@ -27,7 +27,7 @@ class Gravity(Term):
             Parameter("zero", "rad", -2.0 * np.pi, 2.0 * np.pi, 0.0, 0.0),
         )
 
-    def load(self, values: np.ndarray, motion: Motion) -> Load:
+    def load(self, values: np.ndarray, motion: Motion, state: np.ndarray | None) -> Load:
         return Load(smooth=(0.0, 0.0, float(values[0]), float(values[1])))
 
     def scaled(self, values: np.ndarray, factor: float) -> np.ndarray:

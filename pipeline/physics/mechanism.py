@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from pipeline.physics.balance import settle
+from pipeline.physics.balance import BALANCE, settle
 from pipeline.physics.kinematics import Curve, IdentityCurve, SmoothError
 from pipeline.physics.motion import Motion
 from pipeline.physics.term import Term
@@ -16,6 +16,7 @@ ORDER = (
     "backlash",
     "tension_loss",
     "slack",
+    "response_lag",
     "frame_lag",
     "camera_tilt",
     "lens_distortion",
@@ -79,9 +80,10 @@ class Mechanism:
         signal = self.curve(signal)
         balanced = [p for p in pieces if p.term.in_balance]
         if balanced:
-            signal, after["balance"] = settle(
-                signal, balanced, motion, self.curve.slope, before.get("balance")
+            signal, states = settle(
+                signal, balanced, motion, self.curve.slope, before.get(BALANCE), before
             )
+            after |= states
         return self._sensed(signal, pieces, motion, before, after)
 
     def sensed(self, body: np.ndarray, motion: Motion) -> Trace:

@@ -1,35 +1,115 @@
 """Response lag: the body follows the command late as a whole."""
 
 import numpy as np
+from numba import njit
 
 from pipeline.physics.balance import Load
+from pipeline.physics.creep import dwells
 from pipeline.physics.motion import Motion
 from pipeline.physics.term import Parameter, Surroundings, Term
+
+NEARLY_CRITICAL = 1e-6
+
+
+@njit(cache=True)
+def swung(
+    signal: np.ndarray, dwell: np.ndarray, frequency: float, damping: float, state: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """x'' + 2 z w x' + w^2 (x - u) = 0, u held through each dwell; the answer and (x, x').
+
+    Exact: with r^2 = z^2 - 1 the error e = x - u obeys e(t) = a(t) e0 + b(t) e0', a and b being
+    exponentials times hyperbolic (r^2 > 0) or circular functions.
+    """
+    out = np.empty(signal.size)
+    x, v = state[0], state[1]
+    decay, square = damping * frequency, frequency * frequency * (damping * damping - 1.0)
+    root = np.sqrt(abs(square))
+    for i in range(signal.size):
+        e, t = x - signal[i], dwell[i]
+        if root * t < NEARLY_CRITICAL:
+            fade = np.exp(-decay * t)
+            c, s = fade, fade * t
+        elif square > 0.0:
+            slow, fast = np.exp((root - decay) * t), np.exp(-(root + decay) * t)
+            c, s = 0.5 * (slow + fast), 0.5 * (slow - fast) / root
+        else:
+            fade = np.exp(-decay * t)
+            c, s = fade * np.cos(root * t), fade * np.sin(root * t) / root
+        push = v + decay * e
+        x = signal[i] + c * e + s * push
+        v = c * v - s * (decay * v + frequency * frequency * e)
+        out[i] = x
+    return out, np.array([x, v])
 
 
 class ResponseLag(Term):
     """x' = (u - x) / tau of a joint without other loads, for a command held through each dwell.
 
     A viscous drag in the balance (see `balance.py`): beside other loads the lag depends on them,
-    longer where the wires hang slack, shorter against a stop. Source: first-order lag; Kelvin and
-    Voigt's spring with a dashpot beside it.
+    longer where the wires hang slack, shorter against a stop. Form "second", after the balance:
+    x'' = w^2 (u - x) - 2 damping w x', w being `natural_frequency`, exact for held commands,
+    however unevenly sampled. Source: first-order lag; Kelvin and Voigt's spring with a dashpot
+    beside it; linear system of second order.
     """
 
     name = "response_lag"
     site = "body"
-    in_balance = True
     group = "lag"
     says = "The whole motion comes late, with a time constant of {time_constant}."
+    says_of_second = (
+        "The whole motion swings after the command, with a natural frequency of "
+        "{natural_frequency} and a damping of {damping}."
+    )
+
+    def __init__(self, form: str = "first") -> None:
+        self.form = form
+        self.in_balance = form != "second"
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
         dwell = max(around.dwell_s, 1e-9)
+        if self.form == "second":
+            low, high = 0.03 / dwell, 6.0 / dwell
+            return (
+                Parameter("natural_frequency", "rad/s", low, high, 1.0 / dwell, 0.0),
+                Parameter("damping", "", 0.02, 5.0, 0.7, 0.5),
+            )
         return (Parameter("time_constant", "s", 0.0, 30.0 * dwell, dwell, dwell),)
 
-    def load(self, values: np.ndarray, motion: Motion) -> Load:
+    def load(self, values: np.ndarray, motion: Motion, state: np.ndarray | None) -> Load:
         return Load(drag=float(values[0]))
 
+    def respond(
+        self, signal: np.ndarray, motion: Motion, values: np.ndarray, state: np.ndarray | None
+    ) -> tuple[np.ndarray, np.ndarray]:
+        if state is None:
+            state = np.array([motion.time_s[0], signal[0], 0.0])
+        dwell, asked = dwells(motion, float(state[0])), np.ascontiguousarray(signal)
+        out, last = swung(asked, dwell, float(values[0]), float(values[1]), state[1:])
+        return out, np.concatenate([motion.time_s[-1:], last])
+
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
-        return max(around.dwell_s, 1e-9) * np.array([[0.3], [0.7], [1.5], [4.0]])
+        dwell = max(around.dwell_s, 1e-9)
+        if self.form == "second":
+            return np.array(
+                [[pace / dwell, damping] for pace in (0.15, 0.5, 1.5) for damping in (0.2, 0.6, 1.2)]
+            )
+        return dwell * np.array([[0.3], [0.7], [1.5], [4.0]])
+
+    def scaled(self, values: np.ndarray, factor: float) -> np.ndarray:
+        """A lag of about `factor` times the size; a swing is as slow as its frequency is low."""
+        if self.form == "second":
+            return values.copy()
+        return super().scaled(values, factor)
+
+    def void(self, values: np.ndarray) -> bool:
+        return self.form != "second" and super().void(values)
 
     def excited(self, motion: Motion, around: Surroundings) -> bool:
         return around.drive_span > 0.0 and around.dwell_s > 0.0
+
+    def sentence(self, values: np.ndarray, around: Surroundings) -> str:
+        if self.form != "second":
+            return super().sentence(values, around)
+        return self.says_of_second.format(
+            natural_frequency=f"{values[0]:.3g} rad/s", damping=f"{values[1]:.2g}"
+        )

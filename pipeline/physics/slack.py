@@ -32,7 +32,7 @@ class Slack(Term):
             Parameter("stiffness", "", 0.01, 2.0, STIFFNESS, 0.02, weak=True),
         )
 
-    def load(self, values: np.ndarray, motion: Motion) -> Load:
+    def load(self, values: np.ndarray, motion: Motion, state: np.ndarray | None) -> Load:
         width, centre, rounding, stiffness = values
         softness = max(rounding, width / MOST_SHARP)
         return Load(loose=np.array([[0.5 * width, softness, stiffness, centre]]))

@@ -42,7 +42,7 @@ class Surroundings:
     drive_span, angle_span: range of the drive [drive unit] and of the simulated angle [angle unit].
     drive_low, angle_low: their lower ends. step: median step of the drive [drive unit].
     dwell_s: median time between samples. start_s, end_s: first and last time. cycles: how many.
-    other_span: range of each other command [its unit].
+    other_span, other_unit: range and unit of each other command.
     """
 
     drive_span: float = 120.0
@@ -58,7 +58,7 @@ class Surroundings:
     drive_unit: str = "deg"
     angle_unit: str = "deg"
     other_span: Mapping[str, float] = field(default_factory=dict)
-    other_unit: str = "deg"
+    other_unit: Mapping[str, str] = field(default_factory=dict)
 
 
 class Term:

@@ -165,7 +165,7 @@ def stored_models(file: Path, recording: Recording) -> list[CorrectedModel]:
     """The models of a run's model.json, for the commands of a recording."""
     commands = [c.name for c in recording.with_role("command")]
     return [
-        stored.from_json(entry, [c for c in commands if c != entry["drive"]])
+        stored.from_json(entry, [c for c in commands if c != entry["drive"] or not entry["static"]])
         for entry in json.loads(file.read_text())["models"]
     ]
 

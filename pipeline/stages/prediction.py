@@ -29,7 +29,7 @@ def predict(models: Sequence[CorrectedModel], recording: Recording) -> pd.DataFr
 def motion_for(model: CorrectedModel, recording: Recording) -> Motion:
     """What drives a model in this recording."""
     commands = {c.name: recording.values(c.name) for c in recording.with_role("command")}
-    own = commands.pop(model.drive, None)
+    own = commands.pop(model.drive, None) if model.static else None
     if not model.static:
         channel = recording.simulation_of(model.measurement)
         if channel is None:

@@ -1,0 +1,52 @@
+"""What each explanation foretells of later training rows, where no cycle repeats another."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from pipeline.discrepancy.choose import Choice, independent
+from pipeline.discrepancy.fit import evaluate, improve
+
+CUTS = (0.55, 0.75)
+AHEAD = 0.25
+NEAR, MOST = 25.0, 8
+FEWEST_ROWS = 20
+
+
+def foretelling(choices: Sequence[Choice]) -> list[Choice]:
+    """The choices with what they foretell in their scores, the best first.
+
+    Without repeats the size of the noise is no witness, and what fits best may be what follows a
+    slow change best. So the choices near the best one are refitted to the first part of the
+    training rows and have to foretell the next part; n log(error^2 / least error^2) is added to
+    their scores, n being the number of independent samples foretold (prequential validation,
+    Dawid, J. R. Stat. Soc. A 147 (1984) 278).
+    """
+    ranked = sorted(choices, key=lambda c: c.score)
+    near = [c for c in ranked if c.score < ranked[0].score + NEAR][:MOST]
+    rows = np.flatnonzero(ranked[0].fit.ground.used)
+    if len(near) < 2 or AHEAD * len(rows) < FEWEST_ROWS:
+        return ranked
+    errors = np.array([error_ahead(c, rows) for c in near])
+    count = len(CUTS) * AHEAD * independent(near[0].fit.ground)
+    extra = count * 2.0 * np.log(errors / errors.min())
+    scores = {id(c): c.score + float(e) for c, e in zip(near, extra, strict=True)}
+    return sorted(
+        (replace(c, score=scores.get(id(c), c.score)) for c in ranked), key=lambda c: c.score
+    )
+
+
+def error_ahead(choice: Choice, rows: np.ndarray) -> float:
+    """Root mean square error [measurement's unit] on rows after those that it is refitted to."""
+    ground, square, count = choice.fit.ground, 0.0, 0
+    measured = ground.problem.measured
+    for cut in CUTS:
+        first = int(cut * len(rows))
+        ahead = rows[first : first + int(AHEAD * len(rows))]
+        early = np.zeros(len(ground.used), dtype=bool)
+        early[rows[:first]] = True
+        fit = improve(evaluate(replace(ground, used=early), choice.fit.pieces))
+        square += float(np.sum((measured - fit.predicted)[ahead] ** 2))
+        count += len(ahead)
+    return max(float(np.sqrt(square / count)), 1e-300)
