@@ -225,12 +225,16 @@ class SimulatedAxis:
 class SimulationConfig:
     """What simulates a measurement that has no simulation channel.
 
-    `kind` is `recorded` (nothing else), `mechanism` (`axes`: measurement -> mechanism) or `python`
-    (`function`, module:function, takes the table of commands and returns an array).
+    `kind` is `recorded` (nothing else), `identity` (the measurement's own command), `affine` (gain
+    and offset of a command, fitted to rows that are not held out), `trace` (`path`: a recording's
+    folder or a table with `time_s` and the measurements' names), `mechanism` (`axes`, and `path`: a
+    YAML of the same: measurement -> mechanism) or `python` (`function`, module:function, takes the
+    table of commands and returns an array).
     """
 
     kind: str = "recorded"
     function: str | None = None
+    path: str | None = None
     axes: dict[str, SimulatedAxis] = field(default_factory=dict)
 
 
@@ -332,7 +336,7 @@ CHOICES: dict[str, tuple[str, ...]] = {
     "camera.kind": ("twin", "v4l2", "folder"),
     "split.kind": ("paper", "leave_three_out", "k_fold", "explicit"),
     "selection.criterion": ("bic", "aic", "heldout"),
-    "simulation.kind": ("recorded", "mechanism", "python"),
+    "simulation.kind": ("recorded", "identity", "affine", "trace", "mechanism", "python"),
     "diagnosis.heldout.kind": ("every_third", "last_third", "after_s"),
 }
 
@@ -355,8 +359,6 @@ def check_config(config: Config) -> None:
         found = attrgetter(key)(config)
         if found not in choices:
             _refuse(key, choices, found)
-
-
     heldout = config.diagnosis.heldout
     if heldout.kind == "after_s" and (heldout.after_s is None or heldout.after_s <= 0.0):
         raise UsageError(

@@ -61,9 +61,7 @@ class Coupling(Term):
             return Load(pushed=pushed)
         start = float(other[0]) if state is None else float(state[0])
         slipped = play(np.ascontiguousarray(other), 0.5 * float(values[3]), start)
-        return Load(
-            pushed=pushed + values[2] * (other - slipped), carried=slipped[-1:]
-        )
+        return Load(pushed=pushed + values[2] * (other - slipped), carried=slipped[-1:])
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
         start = [self.parameters(around)[0].start, 0.0]

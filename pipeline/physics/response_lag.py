@@ -91,7 +91,11 @@ class ResponseLag(Term):
         dwell = max(around.dwell_s, 1e-9)
         if self.form == "second":
             return np.array(
-                [[pace / dwell, damping] for pace in (0.15, 0.5, 1.5) for damping in (0.2, 0.6, 1.2)]
+                [
+                    [pace / dwell, damping]
+                    for pace in (0.15, 0.5, 1.5)
+                    for damping in (0.2, 0.6, 1.2)
+                ]
             )
         return dwell * np.array([[0.3], [0.7], [1.5], [4.0]])
 

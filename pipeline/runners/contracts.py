@@ -130,7 +130,8 @@ def may_be_reused(stage: str, config: Config) -> bool:
     """Whether the stage would do the same again: a real robot would not, nor may a user's code."""
     if stage in ("importing", "prediction"):
         return False  # done in less time than it takes to look
-    if stage in ("diagnosis", "close_the_gap") and config.simulation.kind == "python":
+    ours = config.simulation.kind != "python" and config.simulation.path is None
+    if stage in ("diagnosis", "baselines", "close_the_gap") and not ours:
         return False
     return simulated(config) or not in_laboratory(stage, config)
 

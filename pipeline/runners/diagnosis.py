@@ -17,9 +17,9 @@ from pipeline.discrepancy.result import Diagnosis, Evidence, as_json
 from pipeline.errors import UsageError, refusal
 from pipeline.recording import Recording, load_recording, save_recording, write_atomically
 from pipeline.runners.run_folder import Run, made
+from pipeline.runners.simulation import with_simulation
 from pipeline.stages.diagnosis import diagnose
 from pipeline.stages.prediction import predict
-from pipeline.stages.simulation import simulate
 from pipeline.tracking.report import write_report
 from pipeline.tracking.tables import plain, write_table
 
@@ -39,8 +39,7 @@ class Answered:
 def run_diagnosis(run: Run) -> None:
     """Diagnose a recording, or all that vision left; diagnosis.json has an entry a measurement."""
     recordings = {
-        name: simulate(run.config.simulation, recording)
-        for name, recording in _recordings(run).items()
+        name: with_simulation(run.config, recording) for name, recording in _recordings(run).items()
     }
     for name, recording in recordings.items():
         save_recording(recording, run.folder / "diagnosis" / name)

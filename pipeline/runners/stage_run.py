@@ -113,6 +113,9 @@ def inputs_of(run: Run, stage: str, contract: Contract) -> dict[str, str]:
         inputs |= _outside(own, (*RECORDING_FILES, *(("frames/*",) if looks else ())))
     if in_laboratory(stage, run.config) and run.config.acquisition.commands is not None:
         inputs |= _whole(Path(run.config.acquisition.commands))
+    simulation = run.config.simulation.path
+    if stage in ("diagnosis", "baselines") and simulation is not None and Path(simulation).exists():
+        inputs |= _whole(Path(simulation))
     if stage == "importing" and run.config.importing.path is not None:
         inputs |= _whole(Path(run.config.importing.path))
     if stage == "prediction":

@@ -2,13 +2,15 @@
 
 import importlib
 import sys
+import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
-from pipeline.config import SimulationConfig
+from pipeline.config import HeldoutConfig, SimulatedAxis, SimulationConfig
+from pipeline.discrepancy.problem import held_out_rows
 from pipeline.errors import LoopgapError, UsageError, refusal
 from pipeline.physics.assembly import pieces_of
 from pipeline.physics.kinematics import CubicCurve
@@ -17,11 +19,22 @@ from pipeline.physics.motion import Motion
 from pipeline.physics.term import Surroundings
 from pipeline.recording import CONTEXT_COLUMNS, Channel, Recording
 
+OTHERS = "simulation=identity, affine, trace, mechanism or python"
+FEWEST = 10
+LONG_S = 10.0
 
-def simulate(config: SimulationConfig, recording: Recording) -> Recording:
+
+def simulate(
+    config: SimulationConfig,
+    recording: Recording,
+    heldout: HeldoutConfig | None = None,
+    trace: pd.DataFrame | None = None,
+) -> Recording:
     """The recording with a simulation channel for each measurement that has none.
 
-    A recorded simulation always stays. UsageError where nothing simulates a measurement.
+    A recorded simulation always stays. heldout: rows that `affine` must not look at. trace: the
+    table of kind `trace`, `time_s` and a column for each measurement. UsageError where nothing
+    simulates a measurement.
     """
     lacking = [
         c for c in recording.with_role("measurement") if recording.simulation_of(c.name) is None
@@ -32,10 +45,16 @@ def simulate(config: SimulationConfig, recording: Recording) -> Recording:
         answers = _call(config.function, recording, lacking)
     elif config.kind == "mechanism":
         answers = [_mechanism_answer(config, recording, c.name) for c in lacking]
+    elif config.kind == "identity":
+        answers = [_identity(recording, c) for c in lacking]
+    elif config.kind == "affine":
+        answers = [_affine(recording, c, heldout or HeldoutConfig()) for c in lacking]
+    elif config.kind == "trace" and trace is not None:
+        answers = [_resampled(trace, recording, c.name) for c in lacking]
     else:
         raise UsageError(
             refusal("recording", f"a simulation channel of {lacking[0].name!r}", "none",
-                    "Add one, or choose simulation=kinematic or simulation=python.")
+                    f"Add one, or choose {OTHERS}.")
         )  # fmt: skip
     for channel, values in zip(lacking, answers, strict=True):
         stem, _, unit = channel.name.rpartition("_")
@@ -46,12 +65,72 @@ def simulate(config: SimulationConfig, recording: Recording) -> Recording:
     return recording
 
 
+def _identity(recording: Recording, channel: Channel) -> np.ndarray:
+    """The command itself: the one of the same axis, or the only one of the same unit."""
+    commands = recording.with_role("command")
+    alike = [c for c in commands if c.unit == channel.unit]
+    kin = [c for c in alike if c.name.split("_")[0] == channel.name.split("_")[0]]
+    found = kin or alike
+    if len(found) != 1:
+        raise UsageError(
+            refusal(f"simulation=identity of {channel.name!r}",
+                    f"one command in {channel.unit} of the same first name",
+                    ", ".join(f"{c.name} [{c.unit}]" for c in found or commands) or "none",
+                    "Choose simulation=affine, or rename the command after its measurement.")
+        )  # fmt: skip
+    return recording.values(found[0].name)
+
+
+def _affine(recording: Recording, channel: Channel, heldout: HeldoutConfig) -> np.ndarray:
+    """Gain and offset of the command that follows the measurement best, on rows not held out."""
+    motion = Motion(np.zeros(len(recording.samples)), recording.values("time_s"),
+                    recording.values("cycle").astype(np.int64))  # fmt: skip
+    measured = recording.values(channel.name)
+    known = np.isfinite(measured)
+    rows = known & ~held_out_rows(heldout, motion, known)
+    best: tuple[float, np.ndarray] | None = None
+    for command in recording.with_role("command"):
+        values = recording.values(command.name)
+        if rows.sum() < FEWEST or np.ptp(values[rows]) == 0.0:
+            continue
+        gain, offset = np.polyfit(values[rows], measured[rows], 1)
+        answer = gain * values + offset
+        error = float(np.mean((measured - answer)[rows] ** 2))
+        if best is None or error < best[0]:
+            best = (error, answer)
+    if best is None:
+        raise LoopgapError(
+            refusal(f"simulation=affine of {channel.name!r}",
+                    f"a command that moves over at least {FEWEST} measured rows", "none",
+                    "Record motion, or give a simulation channel.")
+        )  # fmt: skip
+    return best[1]
+
+
+def _resampled(trace: pd.DataFrame, recording: Recording, name: str) -> np.ndarray:
+    """A trace at the recording's times, straight between its samples; empty outside of them."""
+    values = trace[name].to_numpy(float)
+    known = np.isfinite(values)
+    time_s = trace["time_s"].to_numpy(float)[known]
+    wanted = recording.values("time_s")
+    out = np.interp(wanted, time_s, values[known])
+    out[(wanted < time_s[0]) | (wanted > time_s[-1])] = np.nan
+    if not np.isfinite(out).any():
+        raise LoopgapError(
+            refusal(f"simulation.path, column {name!r}",
+                    f"times within {wanted[0]:g} to {wanted[-1]:g} s",
+                    f"{time_s[0]:g} to {time_s[-1]:g} s",
+                    "Let the trace's time_s begin as the recording's does.")
+        )  # fmt: skip
+    return out
+
+
 def _mechanism_answer(config: SimulationConfig, recording: Recording, name: str) -> np.ndarray:
     if name not in config.axes:
         raise UsageError(
             refusal("simulation.axes", f"a mechanism for {name!r}",
                     ", ".join(config.axes) or "none",
-                    "Add one there, or a simulation channel to the recording.")
+                    f"Add one there, a simulation channel to the recording, or choose {OTHERS}.")
         )  # fmt: skip
     axis = config.axes[name]
     command = recording.channel(axis.command)
@@ -60,29 +139,73 @@ def _mechanism_answer(config: SimulationConfig, recording: Recording, name: str)
         for c in recording.with_role("command")
         if c.name != command.name
     }
+    unit = recording.channel(name).unit
     motion = Motion(
         drive=recording.values(command.name),
         time_s=recording.values("time_s"),
         cycle=recording.values("cycle").astype(int),
         others=others,
+        radian=180.0 / np.pi if unit == "deg" else 1.0,
     )
-    around = Surroundings(other_span={n: float(np.ptp(v)) for n, v in others.items()})
+    around = _surroundings(axis, recording, motion, unit)
     mechanism = Mechanism(CubicCurve(axis.gain, axis.cubic), pieces_of(axis.terms, around))
     return mechanism.respond(motion)[0]
 
 
+def _surroundings(
+    axis: SimulatedAxis, recording: Recording, motion: Motion, unit: str
+) -> Surroundings:
+    """Bounds of the terms: wide, for the user may mean another motion than the recorded one."""
+    span = 10.0 * max(float(np.ptp(motion.drive)), 1e-9)
+    angle = abs(axis.gain) * span
+    steps = np.diff(motion.time_s)
+    return Surroundings(
+        drive_span=span,
+        drive_low=-0.5 * span,
+        angle_span=angle,
+        angle_low=-0.5 * angle,
+        dwell_s=max(float(np.median(steps)) if len(steps) else 1.0, 1e-9),
+        start_s=float(motion.time_s[0]),
+        end_s=float(motion.time_s[-1]),
+        travel=max(float(np.abs(np.diff(motion.drive)).sum()), 1e-9),
+        drive_unit=recording.channel(axis.command).unit,
+        angle_unit=unit,
+        other_span={n: 10.0 * float(np.ptp(v)) for n, v in motion.others.items()},
+        other_unit={n: recording.channel(n).unit for n in motion.others},
+    )
+
+
 def _call(path: str | None, recording: Recording, lacking: Sequence[Channel]) -> list[np.ndarray]:
     names = [c.name for c in recording.with_role("command")]
-    table = recording.samples[[*CONTEXT_COLUMNS, *names]].copy()
-    answer = np.asarray(_function(path)(table), dtype=float)
-    expected = (len(table),) if len(lacking) == 1 else (len(table), len(lacking))
-    if answer.shape != expected:
+    table = recording.samples[[*CONTEXT_COLUMNS, *names]].reset_index(drop=True)
+    function, where = _function(path), f"simulation.function={path}"
+    began_s = time.monotonic()
+    try:
+        answer = np.asarray(function(table.copy()), dtype=float)
+    except Exception as error:
         raise LoopgapError(
-            refusal(f"simulation.function={path}", f"an array of shape {expected}",
-                    f"shape {answer.shape}", "Return a row for each of the table, and a column for "
-                    "each measurement without a simulation.")
+            refusal(where, "an array of numbers", f"{type(error).__name__}: {error}",
+                    "Correct the function; it is called with the table of commands.")
+        ) from error  # fmt: skip
+    took_s = time.monotonic() - began_s
+    if took_s > LONG_S:
+        print(f"  {where} took {took_s:.0f} s")
+    n, m = len(table), len(lacking)
+    if answer.shape not in ([(n,), (n, 1)] if m == 1 else [(n, m)]):
+        expected = (n,) if m == 1 else (n, m)
+        raise LoopgapError(
+            refusal(where, f"an array of shape {expected}", f"shape {answer.shape}",
+                    "Return a row for each of the table, and a column for each measurement "
+                    f"without a simulation ({', '.join(c.name for c in lacking)}).")
         )  # fmt: skip
-    return list(answer.reshape(len(table), len(lacking)).T)
+    bad = int((~np.isfinite(answer)).sum())
+    if bad:
+        row = int(np.flatnonzero(~np.isfinite(answer.reshape(n, m)).all(axis=1))[0])
+        raise LoopgapError(
+            refusal(where, "finite numbers", f"{bad} that are none, the first in row {row}",
+                    "Let it answer for every row.")
+        )  # fmt: skip
+    return list(answer.reshape(n, m).T)
 
 
 def _function(path: str | None) -> Callable[[pd.DataFrame], object]:
@@ -97,7 +220,7 @@ def _function(path: str | None) -> Callable[[pd.DataFrame], object]:
         sys.path.insert(0, here)
     try:
         function = getattr(importlib.import_module(module), name)
-    except (ImportError, AttributeError) as error:
+    except (ImportError, AttributeError, SyntaxError) as error:
         raise UsageError(
             refusal(f"simulation.function={path}", "a function that can be imported", str(error),
                     f"Start loopgap in the folder of {module}.py, or install it.")

@@ -1,10 +1,13 @@
+from dataclasses import replace
+
 import numpy as np
 import pandas as pd
 import pytest
 
-from pipeline.config import SimulatedAxis, SimulationConfig
+from pipeline.config import Config, HeldoutConfig, SimulatedAxis, SimulationConfig
 from pipeline.errors import LoopgapError, UsageError
 from pipeline.recording import Channel, Recording
+from pipeline.runners.simulation import with_simulation
 from pipeline.stages.simulation import simulate
 
 KINEMATIC = SimulationConfig(
@@ -71,3 +74,65 @@ def test_a_measurement_that_nothing_simulates_is_refused():
         simulate(SimulationConfig("recorded"), a_recording())
     with pytest.raises(UsageError, match="a mechanism for 'tip_angle_deg'; found pitch_angle_deg"):
         simulate(KINEMATIC, a_recording(2))
+
+
+def test_identity_is_the_command_of_the_same_name_and_unit():
+    answer = simulate(SimulationConfig("identity"), a_recording()).values("pitch_angle_sim_deg")
+    assert answer.tolist() == a_recording().values("pitch_command_deg").tolist()
+    channels = (Channel("motor_count", "command", "count"), a_recording().channels[1])
+    samples = a_recording().samples.rename(columns={"pitch_command_deg": "motor_count"})
+    with pytest.raises(UsageError, match=r"one command in deg .*found motor_count \[count\]"):
+        simulate(SimulationConfig("identity"), Recording(samples, channels))
+
+
+def test_affine_looks_at_no_held_out_row():
+    recording = a_recording()
+    samples = recording.samples.copy()
+    samples.loc[40:, "pitch_angle_deg"] += 1000.0
+    spoilt = replace(recording, samples=samples)
+    heldout = HeldoutConfig("last_third")
+    answer = simulate(SimulationConfig("affine"), spoilt, heldout).values("pitch_angle_sim_deg")
+    assert np.allclose(answer, 0.7 * recording.values("pitch_command_deg"))
+
+
+def test_a_function_that_fails_is_named_with_what_it_did(tmp_path, monkeypatch):
+    (tmp_path / "bad_model.py").write_text(
+        "import numpy as np\n"
+        "def fails(table):\n    return table['yaw']\n"
+        "def holes(table):\n    x = np.zeros(len(table)); x[7] = np.nan; return x\n"
+        "def column(table):\n    return np.ones((len(table), 1))\n"
+    )
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(LoopgapError, match=r"an array of numbers; found KeyError: 'yaw'"):
+        simulate(SimulationConfig("python", "bad_model:fails"), a_recording())
+    with pytest.raises(LoopgapError, match=r"found 1 that are none, the first in row 7"):
+        simulate(SimulationConfig("python", "bad_model:holes"), a_recording())
+    column = simulate(SimulationConfig("python", "bad_model:column"), a_recording())
+    assert column.values("pitch_angle_sim_deg").tolist() == [1.0] * 60
+
+
+def test_a_trace_of_another_rate_is_resampled(tmp_path, capsys):
+    time_s = np.arange(5.0, 90.0, 0.25)
+    file = tmp_path / "trace.csv"
+    pd.DataFrame({"time_s": time_s, "pitch_angle_deg": 2.0 * time_s}).to_csv(file, index=False)
+    config = Config(simulation=SimulationConfig("trace", path=str(file)))
+    answer = with_simulation(config, a_recording()).values("pitch_angle_sim_deg")
+    assert np.isnan(answer[:5]).all()
+    assert np.allclose(answer[5:], 2.0 * np.arange(5.0, 60.0))
+    assert "one each 0.25 s" in (said := capsys.readouterr().out)
+    assert "5 rows of the recording are outside" in said
+    with pytest.raises(LoopgapError, match=r"no tip_angle_deg; there are time_s, pitch_angle_deg"):
+        with_simulation(config, a_recording(2))
+
+
+def test_a_mechanism_is_read_from_a_list_of_terms(tmp_path):
+    file = tmp_path / "mine.yaml"
+    file.write_text(
+        "pitch_angle_deg:\n  command: pitch_command_deg\n  terms:\n    - backlash: {width: 4}\n"
+    )
+    config = Config(simulation=SimulationConfig("mechanism", path=str(file)))
+    answer = with_simulation(config, a_recording()).values("pitch_angle_sim_deg")
+    assert answer[19] == pytest.approx(48.0)
+    file.write_text("pitch_angle_deg: {comand: pitch_command_deg}\n")
+    with pytest.raises(UsageError, match=r"comand"):
+        with_simulation(config, a_recording())

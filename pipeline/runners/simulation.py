@@ -1,0 +1,126 @@
+"""Simulation of a run: the recording with the simulation that the configuration names."""
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from omegaconf import OmegaConf
+from omegaconf.errors import OmegaConfBaseException
+from yaml import YAMLError
+
+from pipeline.config import Config, SimulatedAxis, SimulationConfig
+from pipeline.errors import LoopgapError, UsageError, refusal
+from pipeline.recording import Recording, load_recording
+from pipeline.stages.simulation import simulate
+
+
+def with_simulation(config: Config, recording: Recording) -> Recording:
+    """The recording with a simulation of every measurement; a trace's resampling is said."""
+    settings, heldout = config.simulation, config.diagnosis.heldout
+    lacking = [
+        c.name
+        for c in recording.with_role("measurement")
+        if recording.simulation_of(c.name) is None
+    ]
+    if settings.kind == "trace" and lacking:
+        trace = read_trace(settings.path, lacking)
+        _say(trace, recording)
+        return simulate(settings, recording, heldout, trace)
+    if settings.kind == "mechanism" and settings.path is not None:
+        settings = replace(settings, axes={**settings.axes, **read_axes(settings.path)})
+    return simulate(settings, recording, heldout)
+
+
+def _say(trace: pd.DataFrame, recording: Recording) -> None:
+    own, wanted = trace["time_s"].to_numpy(float), recording.values("time_s")
+    outside = int(((wanted < own[0]) | (wanted > own[-1])).sum())
+    left = f"; {outside} rows of the recording are outside its times and left out"
+    print(
+        f"  simulation: {len(own)} samples, one each {np.median(np.diff(own)):.4g} s, resampled to "
+        f"the recording's times (straight between samples){left if outside else ''}"
+    )
+
+
+def read_trace(path: str | None, measurements: list[str]) -> pd.DataFrame:
+    """`time_s` and a column for each measurement, from a recording's folder or a csv or parquet.
+
+    A recording's own simulation channels stand for their measurements; in a file each column is
+    called as its measurement. UsageError or LoopgapError where something is missing.
+    """
+    if path is None or not Path(path).exists():
+        raise UsageError(
+            refusal("simulation.path", "a recording's folder, a csv or a parquet file", repr(path),
+                    "Say simulation=trace simulation.path=FILE.")
+        )  # fmt: skip
+    place = Path(path)
+    if place.is_dir():
+        recording = load_recording(place)
+        table = recording.samples.rename(
+            columns={c.name: c.of for c in recording.with_role("simulation") if c.of}
+        )
+        table = table.loc[:, ~table.columns.duplicated(keep="last")]
+    else:
+        try:
+            read = pd.read_parquet if place.suffix == ".parquet" else pd.read_csv
+            table = read(place)
+        except (OSError, ValueError, UnicodeDecodeError) as error:
+            raise LoopgapError(
+                refusal(path, "a table", str(error), "Write the file anew.")
+            ) from error
+    wanted = ["time_s", *measurements]
+    missing = [n for n in wanted if n not in table]
+    if missing:
+        raise LoopgapError(
+            refusal(path, f"columns {', '.join(wanted)}", f"no {missing[0]}; there are "
+                    f"{', '.join(map(str, table.columns))}",
+                    "Name each column after the measurement that it simulates.")
+        )  # fmt: skip
+    numbers = table[wanted].apply(pd.to_numeric, errors="coerce")
+    time_s = numbers["time_s"].to_numpy(float)
+    if len(time_s) < 2 or not np.all(np.diff(time_s) > 0):
+        raise LoopgapError(
+            refusal(f"{path}, column 'time_s'", "at least two rising numbers",
+                    f"{len(time_s)} that do not rise everywhere", "Sort the rows.")
+        )  # fmt: skip
+    for name in measurements:
+        if np.isfinite(numbers[name].to_numpy(float)).sum() < 2:
+            raise LoopgapError(
+                refusal(f"{path}, column {name!r}", "numbers", "fewer than two", "Correct it.")
+            )
+    return numbers
+
+
+def read_axes(path: str) -> dict[str, SimulatedAxis]:
+    """Mechanisms by measurement from a YAML file, see conf/simulation/mechanism.yaml."""
+    try:
+        raw = OmegaConf.to_container(OmegaConf.load(path))
+        if not isinstance(raw, dict) or not raw:
+            raise ValueError("no mapping from measurements to mechanisms")
+        schema = OmegaConf.structured(SimulationConfig)
+        merged = OmegaConf.merge(schema, {"axes": {k: _axis(v) for k, v in raw.items()}})
+        axes = OmegaConf.to_object(merged)
+    except (
+        OSError,
+        YAMLError,
+        OmegaConfBaseException,
+        ValueError,
+        TypeError,
+        AttributeError,
+    ) as error:
+        raise UsageError(
+            refusal(path, "measurement: {command, gain, cubic, terms: [- name: {width: 3}]}",
+                    str(error).splitlines()[0], "See conf/simulation/mechanism.yaml.")
+        ) from error  # fmt: skip
+    assert isinstance(axes, SimulationConfig)
+    return axes.axes
+
+
+def _axis(entry: dict[str, Any]) -> dict[str, Any]:
+    terms = entry.get("terms") or {}
+    if isinstance(terms, list):
+        listed = [{term: {}} if isinstance(term, str) else term for term in terms]
+        terms = {name: values for term in listed for name, values in term.items()}
+    numbers = {k: {n: float(x) for n, x in (v or {}).items()} for k, v in terms.items()}
+    return {**entry, "terms": numbers}
