@@ -39,7 +39,7 @@ def run(arguments: Sequence[str]) -> int:
 def conclude(sweep: Path, tables: Sequence[Path] | None = None, mixed_commits: bool = False) -> int:
     """Collect a sweep, write its tables and say what is there; 0 if every job is.
 
-    Without `tables`, the one that is called like the sweep's experiment, if there is one.
+    Without `tables`, those called like the sweep's experiment (or that and `_` and more).
     """
     collection = collect(sweep)
     print(f"\nresults of all jobs: {sweep / 'results.md'}")
@@ -83,8 +83,9 @@ def _say_incomplete(collection: Collection, sweep: Path) -> None:
 
 def _tables_of(sweep: Path) -> list[Path]:
     plan = read_plan(sweep)
-    file = CONF / "table" / f"{plan.experiment}.yaml" if plan is not None else None
-    return [file] if file is not None and file.is_file() else []
+    name = "" if plan is None else plan.experiment
+    folder = CONF / "table"
+    return sorted([*folder.glob(f"{name}.yaml"), *folder.glob(f"{name}_*.yaml")]) if name else []
 
 
 def _definition(name: str) -> Path:
@@ -109,7 +110,7 @@ def _parser() -> argparse.ArgumentParser:
         action="append",
         default=[],
         metavar="NAME|FILE",
-        help="a table of conf/table, or a file; without it, the one named like the experiment",
+        help="a table of conf/table, or a file; without it, those named like the experiment",
     )
     parser.add_argument(
         "--check",

@@ -23,7 +23,7 @@ STAGES = (
     "diagnosis",
     "review",
 )
-EXTRA_STAGES = ("importing", "prediction", "close_the_gap", "concealed")
+EXTRA_STAGES = ("importing", "prediction", "close_the_gap", "concealed", "fits", "crossed")
 
 
 @dataclass
@@ -137,10 +137,10 @@ class SelectionConfig:
     """
 
     criterion: str = "bic"
-    scores: list[str] = field(default_factory=lambda: ["bic", "aic", "heldout"])
     k: int | None = None
     k_max: int = 20
     n_init: int = 3
+    scores: list[str] = field(default_factory=lambda: ["bic", "aic", "heldout"])
 
 
 @dataclass
@@ -277,6 +277,16 @@ class CloseTheGapConfig:
 
 
 @dataclass
+class CrossedConfig:
+    """What one job of the crossed study goes through on its split."""
+
+    ks: list[int] = field(default_factory=lambda: list(range(1, 21)))
+    step_rules: list[str] = field(
+        default_factory=lambda: ["armijo", "barzilai_borwein", "constant", "diminishing", "newton"]
+    )
+
+
+@dataclass
 class ConcealedConfig:
     """The concealed benchmark: its seed, and how many cases of each kind (half of them plain)."""
 
@@ -318,6 +328,7 @@ class Config:
     simulation: SimulationConfig = field(default_factory=SimulationConfig)
     diagnosis: DiagnosisConfig = field(default_factory=DiagnosisConfig)
     close_the_gap: CloseTheGapConfig = field(default_factory=CloseTheGapConfig)
+    crossed: CrossedConfig = field(default_factory=CrossedConfig)
     concealed: ConcealedConfig = field(default_factory=ConcealedConfig)
     cache: CacheConfig = field(default_factory=CacheConfig)
 

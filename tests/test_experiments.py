@@ -76,6 +76,8 @@ def kept_results(tmp_path_factory) -> str:
         (["experiment=k_sweep", "selection.k=1,2", "split.index=0,1"], 4, 44),
         (["experiment=step_rules", "selection.k_max=2", "split.index=0", "evaluation.trial=false",
           "compensation/step_rule=newton,armijo"], 2, 16),
+        (["experiment=crossed", "split.index=0,3", "crossed.ks=[1,3]",
+          "crossed.step_rules=[newton,armijo]"], 2, 12),
     ],
 )  # fmt: skip
 def test_a_study_leaves_its_table(study, jobs, cells, kept_results, tmp_path, monkeypatch):

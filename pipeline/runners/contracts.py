@@ -105,6 +105,18 @@ _CONTRACTS: dict[str, Contract] = {
          "close_the_gap"),
         ("round-*", "trial", "vision/*_nominal", "vision/*_compensated", "evaluation"),
     ),
+    "fits": Contract(
+        f"{_RUNNERS}fits:run_fits",
+        ("crossed.ks", "training", "split", "seed", "acquisition.axes"),
+        ("fits",),
+        ANGLES,
+    ),
+    "crossed": Contract(
+        f"{_RUNNERS}crossed:run_crossed",
+        ("crossed", "compensation", "evaluation", "split", "acquisition.axes"),
+        ("crossed",),
+        (*ANGLES, "fits/*.json"),
+    ),
     "concealed": Contract(
         f"{_RUNNERS}concealed:run_concealed",
         ("diagnosis", "concealed"),

@@ -43,6 +43,12 @@ def command_table(
                      ignore_index=True)  # fmt: skip
 
 
+def compensated_commands(config: CompensationConfig, model: LoopModel) -> pd.DataFrame:
+    """The part of `command_table` that knows hysteresis, along the trial path."""
+    targets = [float(t) for t in trial_path(config.targets, config.target_amplitude_deg)]
+    return _rows("compensated", follow(loop_branches(model), targets, config))
+
+
 def _rows(method: str, solutions: Sequence[Solution]) -> pd.DataFrame:
     table = pd.DataFrame([asdict(solution) for solution in solutions])
     columns = ["target_deg", "command_deg", "model_deg", "direction", "status", "iterations"]
