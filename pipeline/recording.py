@@ -160,19 +160,19 @@ def cycles_from_reversals(command: np.ndarray) -> np.ndarray:
         return cycle
     start = command[0]
     first_direction = 1.0 if command[turns[0]] > start else -1.0
+    passed = first_direction * (command - start) >= -1e-9 * abs(np.ptp(command))
+    where = np.append(np.flatnonzero(passed), len(command))
     begins = [0]
     while True:
-        later = turns[turns > begins[-1]]
-        if len(later) < 2:
+        second = np.searchsorted(turns, begins[-1], side="right") + 1
+        if second >= len(turns):
             break
-        after = np.arange(later[1], len(command))
-        passed = after[first_direction * (command[after] - start) >= -1e-9 * abs(np.ptp(command))]
-        if passed.size == 0:
+        begin = int(where[np.searchsorted(where, turns[second])])
+        if begin == len(command):
             break
-        begins.append(int(passed[0]))
-    for number, begin in enumerate(begins):
-        cycle[begin:] = number
-    return cycle
+        begins.append(begin)
+    cycle[begins[1:]] = 1
+    return np.cumsum(cycle)
 
 
 def with_context(samples: pd.DataFrame, channels: Sequence[Channel]) -> pd.DataFrame:

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 
 from pipeline.config_importing import ReadingConfig
-from pipeline.errors import refusal
+from pipeline.errors import UsageError, refusal
 from pipeline.foreign.headers import heads_columns, named_columns, repeated_names
 from pipeline.foreign.table import ForeignFileError, ForeignTable
 
@@ -23,6 +23,21 @@ BYTE_ORDER_MARKS = {
 
 def read_delimited(path: Path, reading: ReadingConfig) -> ForeignTable:
     """The whole table; columns without a header are called `0`, `1`, ..."""
+    if reading.separator is not None and len(reading.separator) != 1:
+        raise UsageError(
+            refusal("reading.separator", "one character", repr(reading.separator),
+                    "Give one (a tab is \"\\t\"), or null to have it found.")
+        )  # fmt: skip
+    try:
+        return _table(path, reading)
+    except csv.Error as error:
+        raise ForeignFileError(
+            refusal(str(path), "a table of text", str(error),
+                    "Give `reading.separator` and `reading.skip_rows`, or export it anew.")
+        ) from error  # fmt: skip
+
+
+def _table(path: Path, reading: ReadingConfig) -> ForeignTable:
     text = _decoded(path, reading.encoding)
     kept = _kept_lines(text, reading)
     if not kept:
@@ -58,13 +73,18 @@ def _decoded(path: Path, encoding: str | None) -> str:
 
 def _kept_lines(text: str, reading: ReadingConfig) -> list[tuple[int, str]]:
     """Lines with their number from 1, without those that are skipped, blank or a comment."""
-    lines = list(enumerate(text.splitlines(), start=1))[reading.skip_rows :]
+    lines = list(enumerate(_lines(text), start=1))[reading.skip_rows :]
     mark = reading.comment
     return [
         (number, line)
         for number, line in lines
         if line.strip() and not (mark and line.lstrip().startswith(mark))
     ]
+
+
+def _lines(text: str) -> list[str]:
+    """Lines as any system ends them; `splitlines` would also part them at some printed signs."""
+    return text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
 
 
 def _cells(line: str, separator: str) -> list[str]:

@@ -16,6 +16,7 @@ from pipeline import app
 from pipeline.config import Config
 from pipeline.errors import LoopgapError, UsageError
 from pipeline.foreign.images import encoded
+from pipeline.recording import load_recording
 from pipeline.runners.importing import run_importing
 from pipeline.runners.run_folder import Run
 from pipeline.vision.frames import FrameFolder
@@ -213,3 +214,14 @@ def test_a_bag_that_was_cut_off(kind, tmp_path):
     file.write_bytes(file.read_bytes()[: file.stat().st_size // 2])
     with pytest.raises(LoopgapError, match="expected a whole bag"):
         import_from(tmp_path, mapping(JOINTS.format(file=kind, camera="/image")))
+
+
+def test_the_mapping_to_start_from_takes_the_joint_from_the_command_line(tmp_path, monkeypatch):
+    arguments = ["loopgap", "stages=[importing]", "importing=joint_bag",
+                 f"importing.path={bag(tmp_path) / 'ros1.bag'}", f"hydra.run.dir={tmp_path}/out",
+                 "importing.tables.joints.channels.joint_deg.column=elbow.position"]  # fmt: skip
+    monkeypatch.setattr(sys, "argv", arguments)
+    assert app.run_command_line() == 0
+    recording = load_recording(tmp_path / "out" / "recording")
+    assert np.allclose(recording.values("joint_deg"), np.degrees(0.1 * np.arange(8)))
+    assert recording.values("joint_command_deg")[2] == pytest.approx(np.degrees(2.0))

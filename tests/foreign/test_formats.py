@@ -187,6 +187,8 @@ BAD: list[tuple[str, Callable[[Path], object], str]] = [
      "expected one column 'cmd'; found several of that name. Give its index"),
     ("other.csv", lambda path: path.write_text("t,Cmd,ang\n0,1,2\n"),
      r"expected a column 'cmd'; found columns t, Cmd, ang. Did you mean 'Cmd'\?"),
+    ("long.csv", lambda path: path.write_text(f't,cmd,ang\n0,1,"{"x" * 200_000}"\n'),
+     "expected a table of text; found field larger"),
     ("cut.npy", broken_npy, "expected a whole NumPy file"),
     ("objects.npy", objects, r"expected an array of numbers; found Python objects \(a pickle\)"),
     ("no.npy", lambda path: path.write_text("t,cmd"), "expected a whole NumPy file"),
@@ -224,6 +226,12 @@ def test_a_variable_that_is_no_column_says_what_it_is(tmp_path):
     scipy.io.savemat(tmp_path / "a.mat", {"t": np.arange(4.0), "cmd": np.zeros((2, 3, 4))})
     with pytest.raises(UsageError, match=r"'cmd'.*found an array of shape \(2, 3, 4\)"):
         import_from(tmp_path / "a.mat", mapping())
+
+
+def test_a_separator_is_one_character(tmp_path):
+    TABLE.to_csv(tmp_path / "a.csv", index=False)
+    with pytest.raises(UsageError, match="reading.separator: expected one character; found ';;'"):
+        import_from(tmp_path / "a.csv", mapping(reading={"separator": ";;"}))
 
 
 def test_which_file_a_pattern_means(tmp_path):
