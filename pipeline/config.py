@@ -262,10 +262,14 @@ class HeldoutConfig:
 
 @dataclass
 class DiagnosisConfig:
-    """How a mismatch is looked for."""
+    """How a mismatch is looked for.
+
+    cutoff_hz: of the low-pass before a position is differentiated; found from its noise if null.
+    """
 
     tolerance: ToleranceConfig = field(default_factory=ToleranceConfig)
     heldout: HeldoutConfig = field(default_factory=HeldoutConfig)
+    cutoff_hz: float | None = None
 
 
 @dataclass

@@ -43,4 +43,5 @@ def located_in(evidence: Evidence, residual: np.ndarray) -> tuple[Located, ...]:
     motion = replace(evidence.motion, drive=drive, others=others)
     unit = recording.channel(evidence.measurement).unit
     drive_unit = recording.channel(evidence.drive).unit
-    return tuple(locate(looked_at, motion, evidence.before, unit, drive_unit))
+    seen = evidence.before if motion.kinetics is None else np.zeros(len(motion))
+    return tuple(locate(looked_at, motion, seen, unit, drive_unit))

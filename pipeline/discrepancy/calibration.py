@@ -31,11 +31,17 @@ class Nuisances:
     def columns(self, trace: Trace) -> np.ndarray:
         """What gain, offset and bends multiply, (n, m)."""
         out = np.empty((len(trace.seen), len(self.deviations)))
-        out[:, 0] = trace.seen
+        own = trace.seen if trace.added is None else trace.seen - trace.added
+        out[:, 0] = own
         out[:, 1] = 1.0
         if out.shape[1] > 2:
-            out[:, 2:] = legendre((trace.seen - self.middle) / self.half_range)
+            out[:, 2:] = legendre((own - self.middle) / self.half_range)
         return out
+
+    def answer(self, trace: Trace, nuisance: np.ndarray) -> np.ndarray:
+        """What is measured, (n,), by a trace and nuisances (m,)."""
+        calibrated = self.columns(trace) @ nuisance
+        return calibrated if trace.added is None else calibrated + trace.added
 
     def error(self, nuisance: np.ndarray) -> SmoothError | None:
         """The smooth error that fitted nuisances (m,) amount to; None where none is allowed."""

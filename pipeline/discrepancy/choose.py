@@ -100,7 +100,8 @@ def independent(ground: Ground) -> float:
     """About how many independent samples there are."""
     share = ground.noise.correlated**2 / max(ground.noise.deviation**2, 1e-300)
     phi = ground.noise.correlation
-    return max(ground.count * (1.0 - share * 2.0 * phi / (1.0 + phi)), 10.0)
+    count = ground.count / ground.noise.spell
+    return max(count * (1.0 - share * 2.0 * phi / (1.0 + phi)), 10.0)
 
 
 def choose(search: Search, ground: Ground) -> list[Choice]:
@@ -231,8 +232,8 @@ def _reformed(fit: Fit, place: int, term: Term) -> Fit:
     if names[:k] == shared and len(names) > k:
         extra = np.unique(starts[:, k:], axis=0)
         starts = np.column_stack([np.tile(old.values, (len(extra), 1)), extra])
-    rest = (*fit.pieces[:place], *fit.pieces[place + 1 :])
-    trials = [evaluate(fit.ground, (*rest, Piece(term, values))) for values in starts]
+    before, after = fit.pieces[:place], fit.pieces[place + 1 :]
+    trials = [evaluate(fit.ground, (*before, Piece(term, values), *after)) for values in starts]
     trials.sort(key=lambda t: t.cost)
     return min((improve(t, 8) for t in trials[:2]), key=lambda t: t.cost)
 

@@ -8,6 +8,7 @@ import numpy as np
 from pipeline.discrepancy.choose import Choice
 from pipeline.discrepancy.explain import Explanation, explain, not_excited
 from pipeline.discrepancy.fit import evaluate, improve
+from pipeline.discrepancy.force_problem import averaged
 from pipeline.discrepancy.intervals import covariance_of, estimates
 from pipeline.discrepancy.mistaken import mistaken_frames
 from pipeline.discrepancy.model import CorrectedModel
@@ -25,6 +26,7 @@ from pipeline.discrepancy.result import (
 from pipeline.discrepancy.ties import Standing, by_names, standing, weights_of
 from pipeline.discrepancy.verdict import Structure, beyond_tolerance, fewer, follows, structure_of
 from pipeline.physics.catalogue import term
+from pipeline.physics.differentiation import Derivatives
 from pipeline.physics.mechanism import Mechanism
 from pipeline.recording import Recording
 
@@ -38,7 +40,7 @@ def diagnose_measurement(
     recording: Recording, measurement: str, problem: Problem
 ) -> tuple[Diagnosis, Evidence, CorrectedModel]:
     """Name what the simulation of a measurement left out, with the proof on held-out rows."""
-    small, every = thinned(problem)
+    small, every = reduced(problem)
     explanation = explain(small)
     best = explanation.choices[0]
     structure = structure_of(explanation, best)
@@ -76,6 +78,13 @@ def diagnose_measurement(
     return diagnosis, evidence, model
 
 
+def reduced(problem: Problem) -> tuple[Problem, int]:
+    """The problem on as many rows as a fit needs, and how many samples stand behind each."""
+    if problem.derivatives is None:
+        return thinned(problem)
+    return averaged(problem, problem.derivatives)
+
+
 def unproven(before: Errors, after: Errors, noise: float) -> bool:
     """Whether the held-out rows refute what the training rows seemed to say.
 
@@ -108,6 +117,8 @@ def model_of(measurement: str, problem: Problem, choice: Choice) -> CorrectedMod
         mechanism=mechanism_of(problem, choice),
         noise=choice.fit.ground.noise,
         covariance=covariance_of(choice.fit),
+        force=problem.motion.kinetics is not None,
+        simulated=problem.motion.kinetics is None or problem.around.simulated,
     )
 
 
@@ -181,7 +192,7 @@ def named_physics(
             alternatives=stands.alternatives,
             says=piece.term.sentence(piece.values, problem.around),
         )
-    mistaken = mistaken_frames(explanation)
+    mistaken = None if problem.motion.kinetics else mistaken_frames(explanation)
     if mistaken is not None and not structure.found:
         physics = term("marker_outliers")
         all_rows = np.isfinite(evidence.measured) & evidence.heldout
@@ -237,7 +248,9 @@ def notes(
     outliers = int((np.isfinite(problem.measured) & ~evidence.used).sum())
     if outliers:
         out.append(f"{outliers} samples stand off from their neighbours and were not counted.")
-    if every > 1:
+    if problem.derivatives is not None:
+        out += force_notes(problem, problem.derivatives, every)
+    elif every > 1:
         out.append(f"Terms were fitted on every {every}th sample and all reversals.")
     if not problem.static:
         out.append(
@@ -247,3 +260,22 @@ def notes(
     if explanation.prior.repeats == 0:
         out.append("No cycle repeats another: the noise was learnt from what is rough alone.")
     return tuple(out)
+
+
+def force_notes(problem: Problem, found: Derivatives, every: int) -> list[str]:
+    """How velocity and acceleration were found, and what a fitted row is."""
+    out = ["Velocity and acceleration are central differences of the position."]
+    if np.isfinite(found.cutoff_hz):
+        out[0] = (
+            "Velocity and acceleration are central differences of the position after a low-pass "
+            f"without delay at {found.cutoff_hz:.3g} Hz (sampled at {found.rate_hz:.4g} Hz)."
+        )
+    if found.resampled:
+        out.append(f"Samples stand unevenly: an even grid of {found.rate_hz:.4g} Hz stood between.")
+    ends = int(np.sum(np.isfinite(problem.measured) & ~found.known))
+    out.append(f"{ends} samples at both ends, where the derivatives see one side, do not count.")
+    if every > 1:
+        out.append(f"Terms were fitted on means over {every} samples of force and terms alike.")
+    if not problem.around.simulated:
+        out.append("Nothing simulates the force: all of it counts as left out.")
+    return out

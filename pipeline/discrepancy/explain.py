@@ -12,7 +12,7 @@ from pipeline.discrepancy.noise_learning import NoisePrior, learn_noise
 from pipeline.discrepancy.outliers import isolated
 from pipeline.discrepancy.problem import Problem
 from pipeline.discrepancy.screen import effects_of
-from pipeline.physics.catalogue import FORCE_TERMS, terms
+from pipeline.physics.catalogue import force_terms, terms
 from pipeline.physics.term import Term
 from pipeline.recording import reversals_of
 
@@ -81,9 +81,10 @@ def excited_terms(problem: Problem) -> tuple[Term, ...]:
 
     What depends on a shaft's angle can't be put into a trace that mixes several of them.
     """
+    every = terms(problem.motion.others) if problem.motion.kinetics is None else force_terms()
     return tuple(
         t
-        for t in terms(problem.motion.others)
+        for t in every
         if t.excited(problem.motion, problem.around)
         and t.name != "marker_outliers"
         and not (problem.mixed and t.name in OF_ONE_SHAFT)
@@ -92,9 +93,11 @@ def excited_terms(problem: Problem) -> tuple[Term, ...]:
 
 def not_excited(problem: Problem) -> tuple[str, ...]:
     """Names of the catalogue that this recording could not have shown."""
-    every = {t.name for t in terms(problem.motion.others)} | {"coupling"}
-    shown = {t.name for t in excited_terms(problem)} | {"marker_outliers"}
-    return tuple(sorted((every - shown) | set(FORCE_TERMS)))
+    every = {t.name for t in (*terms(problem.motion.others), *force_terms())} | {"coupling"}
+    shown = {t.name for t in excited_terms(problem)}
+    if problem.motion.kinetics is None:
+        shown.add("marker_outliers")
+    return tuple(sorted(every - shown))
 
 
 def settled_rows(problem: Problem) -> np.ndarray:

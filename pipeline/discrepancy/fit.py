@@ -15,6 +15,7 @@ from pipeline.physics.term import Parameter, Term
 ITERATIONS = 12
 TOLERANCE = 0.02
 PRIOR_WIDTH = 10.0
+SHARE_OF_VALUE = 0.02
 
 
 @dataclass(frozen=True)
@@ -111,7 +112,7 @@ class Fit:
     @property
     def predicted(self) -> np.ndarray:
         """The measurement that the fit expects in each row, (n,)."""
-        return self.ground.nuisances.columns(self.trace) @ self.nuisance
+        return self.ground.nuisances.answer(self.trace, self.nuisance)
 
     @property
     def free(self) -> int:
@@ -154,16 +155,15 @@ def parameters_of(ground: Ground, term: Term) -> tuple[Parameter, ...]:
 
 def respond(ground: Ground, pieces: Sequence[Piece]) -> Trace:
     """The mechanism's angles over all rows, without calibration."""
-    return Mechanism(ground.problem.curve, pieces).trace(ground.problem.motion)
+    return ground.problem.trace(pieces)
 
 
 def respond_beside(fit: Fit, pieces: Sequence[Piece], changed: Term) -> Trace:
     """The angles of pieces that differ from a fit's in one term only."""
     problem = fit.ground.problem
-    mechanism = Mechanism(problem.curve, pieces)
-    if changed.before_curve or changed.in_balance:
-        return mechanism.trace(problem.motion)
-    return mechanism.sensed(fit.trace.body, problem.motion)
+    if changed.before_curve or changed.in_balance or problem.averaged is not None:
+        return problem.trace(pieces)
+    return Mechanism(problem.curve, pieces).sensed(fit.trace.body, problem.motion)
 
 
 def evaluate(ground: Ground, pieces: Sequence[Piece]) -> Fit:
@@ -175,10 +175,13 @@ def calibrated(ground: Ground, pieces: Sequence[Piece], trace: Trace) -> Fit:
     """The fit with pieces whose angles are known."""
     columns = ground.whiten(ground.nuisances.columns(trace))
     precision, expected = ground.precision, ground.nuisances.expected
+    data = ground.data
+    if trace.added is not None:
+        data = data - ground.whiten(trace.added[:, None])[:, 0]
     normal = columns.T @ columns
     normal.flat[:: len(expected) + 1] += precision
-    nuisance = np.linalg.solve(normal, columns.T @ ground.data + precision * expected)
-    innovations = ground.data - columns @ nuisance
+    nuisance = np.linalg.solve(normal, columns.T @ data + precision * expected)
+    innovations = data - columns @ nuisance
     cost = float(innovations @ innovations + precision @ (nuisance - expected) ** 2)
     cost += 2.0 * ground.log_scale + prior_cost(ground, pieces)
     return Fit(ground, tuple(pieces), nuisance, trace, cost, innovations, columns)
@@ -212,7 +215,7 @@ def jacobian(fit: Fit) -> np.ndarray:
                 values[j] += step
                 pieces = (*fit.pieces[:i], Piece(piece.term, values), *fit.pieces[i + 1 :])
                 trace = respond_beside(fit, pieces, piece.term)
-                moved = ground.nuisances.columns(trace) @ fit.nuisance
+                moved = ground.nuisances.answer(trace, fit.nuisance)
                 columns[k] = (moved - predicted) / step
             k += 1
     return ground.whiten(columns.T)
@@ -221,6 +224,8 @@ def jacobian(fit: Fit) -> np.ndarray:
 def difference_step(p: Parameter, value: float) -> float:
     """A step that stays within bounds; 0 for a parameter that has no width."""
     size = 0.01 * p.typical if p.typical > 0.0 else 1e-4 * (p.high - p.low)
+    if p.relative:
+        size = SHARE_OF_VALUE * value
     if p.stepwise:
         return 0.0
     return -size if value + size > p.high else size

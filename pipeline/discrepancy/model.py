@@ -27,7 +27,8 @@ class CorrectedModel:
 
     drive: channel whose samples drive the mechanism: a command, or, where not `static`, the
     simulation of the measurement. covariance: of gain, offset, bends and all term parameters in
-    their order. noise: of one measured sample.
+    their order. noise: of one measured sample. force: whether a force against the motion of `drive`
+    is measured; simulated: whether a simulation says part of it.
     """
 
     measurement: str
@@ -38,6 +39,8 @@ class CorrectedModel:
     mechanism: Mechanism
     noise: NoiseModel
     covariance: np.ndarray
+    force: bool = False
+    simulated: bool = True
 
     def predict(self, motion: Motion) -> tuple[np.ndarray, np.ndarray]:
         """Expected measurement and its standard deviation, each (n,), from the motion alone.
@@ -99,6 +102,8 @@ def as_json(model: CorrectedModel) -> dict[str, Any]:
         "drive": model.drive,
         "static": model.static,
         "radian": model.radian,
+        "force": model.force,
+        "simulated": model.simulated,
         "curve": curve,
         "gain": m.gain,
         "offset": m.offset,
@@ -139,6 +144,7 @@ def from_json(entry: Mapping[str, Any], others: list[str]) -> CorrectedModel:
         return CorrectedModel(
             entry["measurement"], entry["unit"], entry["drive"], entry["static"], entry["radian"],
             mechanism, NoiseModel(**entry["noise"]), np.array(entry["covariance"], dtype=float),
+            entry.get("force", False), entry.get("simulated", True),
         )  # fmt: skip
     except (KeyError, TypeError, ValueError) as problem:
         raise ModelError(

@@ -12,8 +12,9 @@ from pipeline.discrepancy.blocks import Block, Habit, blocks, exploring, habit_o
 from pipeline.discrepancy.noise import NoiseModel
 from pipeline.discrepancy.result import Evidence, Hypothesis
 from pipeline.discrepancy.ties import BENDS
+from pipeline.physics.differentiation import differentiate
 from pipeline.physics.mechanism import Mechanism, Piece
-from pipeline.physics.motion import Motion
+from pipeline.physics.motion import Kinetics, Motion
 
 DECISIVE = 4.5
 ENOUGH_POWER = 0.95
@@ -129,6 +130,7 @@ class Drive:
     radian: float
     begin_s: float
     cycle: int
+    force: bool
 
     @staticmethod
     def of(evidence: Evidence) -> "Drive":
@@ -155,6 +157,7 @@ class Drive:
             radian=motion.radian,
             begin_s=float(motion.time_s[-1]),
             cycle=int(motion.cycle[-1]) + 1,
+            force=motion.kinetics is not None,
         )
 
     def table(self, block: Block) -> pd.DataFrame:
@@ -176,12 +179,17 @@ class Drive:
         drive = sum((w * table[n].to_numpy() for n, w in self.weights.items()),
                     np.full(len(table), self.offset))  # fmt: skip
         cycle = np.repeat(np.arange(len(block.segments)), [len(s.drive) for s in block.segments])
+        kinetics = None
+        if self.force:
+            found = differentiate(table["time_s"].to_numpy(), drive, np.inf)
+            kinetics = Kinetics(found.velocity, found.acceleration, np.zeros(len(drive)))
         return Motion(
             drive=np.ascontiguousarray(drive),
             time_s=table["time_s"].to_numpy() + self.begin_s,
             cycle=self.cycle + cycle,
             others={n: table[n].to_numpy() for n in self.beside},
             radian=self.radian,
+            kinetics=kinetics,
         )
 
 

@@ -76,7 +76,8 @@ class NoiseModel:
 
     white: standard deviation of what is independent in each sample. correlated: of a first-order
     autoregression with `correlation` from sample to sample. jitter: of a constant that is drawn
-    anew in each cycle. walk: of a random walk's step from one sample to the next.
+    anew in each cycle. walk: of a random walk's step from one sample to the next. spell: how many
+    samples in a row say the same, so that each counts as one over so many.
     """
 
     white: float
@@ -84,6 +85,7 @@ class NoiseModel:
     correlation: float = 0.0
     jitter: float = 0.0
     walk: float = 0.0
+    spell: float = 1.0
 
     @property
     def deviation(self) -> float:
@@ -92,7 +94,7 @@ class NoiseModel:
 
     def gains(self, cycle: np.ndarray, used: np.ndarray) -> np.ndarray:
         """The whitening filter of these rows, (n, 4); the same for every signal."""
-        return gains_of(
+        gains: np.ndarray = gains_of(
             self.white,
             self.correlated,
             self.correlation,
@@ -102,6 +104,8 @@ class NoiseModel:
             np.ascontiguousarray(cycle, dtype=np.int64),
             np.ascontiguousarray(used),
         )
+        gains[:, 3] *= np.sqrt(self.spell)
+        return gains
 
     def whiten(self, columns: np.ndarray, cycle: np.ndarray, used: np.ndarray) -> np.ndarray:
         """Columns (n, m) as independent unit innovations of the used rows, (used rows, m).

@@ -24,6 +24,7 @@ class NoiseFamily:
 
     prior: as learnt. used: (n,) rows that count. shapes: (share of the variance that is correlated,
     correlation); strain: (shapes,) -2 log of how much worse repeats fit each, at most CAP.
+    still: whether the noise keeps the shape of the first, without jitter or walk.
     """
 
     prior: NoisePrior
@@ -31,6 +32,7 @@ class NoiseFamily:
     used: np.ndarray
     shapes: Sequence[tuple[float, float]]
     strain: np.ndarray
+    still: bool = False
     filters: dict[tuple[int, int, int], tuple[np.ndarray, float]] = field(default_factory=dict)
 
     @property
@@ -43,7 +45,7 @@ class NoiseFamily:
         share, correlation = self.shapes[place[0]]
         return NoiseModel(
             np.sqrt(max(1.0 - share, 1e-6)), np.sqrt(share), correlation,
-            JITTERS[place[1]], WALKS[place[2]],
+            JITTERS[place[1]], WALKS[place[2]], self.prior.model.spell,
         )  # fmt: skip
 
     def weigh(self, place: tuple[int, int, int], residual: np.ndarray) -> tuple[float, float]:
@@ -54,7 +56,7 @@ class NoiseFamily:
             self.filters[place] = gains, 2.0 * float(np.sum(np.log(gains[self.used, 3])))
         gains, log_scales = self.filters[place]
         e = whitened(residual[:, None], gains, unit.correlation, self.cycle)[:, 0]
-        n = len(e)
+        n = len(e) / unit.spell
         square = float(e @ e)
         sure, learnt = self.prior.sure, np.log(self.prior.model.deviation)
         least = np.log(self.prior.finest)
@@ -65,7 +67,7 @@ class NoiseFamily:
             log_scale -= slope / (4 * square * np.exp(-2 * log_scale) + 2 / sure**2)
             log_scale = max(log_scale, least)
         cost = square * np.exp(-2 * log_scale) + 2 * n * log_scale
-        cost += log_scales
+        cost += log_scales / unit.spell
         off = abs(log_scale - learnt) / sure
         cost += off**2 if off < 2.0 else 4.0 * (off - 1.0)
         walk_cost = WALK_COST if self.prior.repeats > 0 else WALK_UNREPEATED
@@ -78,6 +80,8 @@ class NoiseFamily:
         """The likeliest noise for a residual (n,), by descent over the grid from a place."""
         filled = np.where(self.used, residual, 0.0)
         shape = start[0]
+        if self.still:
+            return self.noise_at(start, self.weigh(start, filled)[1]), start
         begins = {start, (shape, 0, 0), (shape, 0, MIDDLE)}
         begins |= {(shape, MIDDLE, 0)} if self.jitters else set()
         known = {place: self.weigh(place, filled) for place in begins}
@@ -112,6 +116,8 @@ class NoiseFamily:
 def noise_family(prior: NoisePrior, cycle: np.ndarray, used: np.ndarray) -> NoiseFamily:
     """The family round what was learnt from repeats."""
     model = prior.model
+    if model.spell > 1.0:
+        return NoiseFamily(prior, cycle, used, ((0.0, 0.0),), np.zeros(1), still=True)
     share = model.correlated**2 / max(model.deviation**2, 1e-300)
     shapes = [(float(min(share, 1.0)), model.correlation), *SHAPES]
     strain = np.zeros(len(shapes))

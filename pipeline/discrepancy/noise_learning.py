@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import minimize
 
+from pipeline.discrepancy.force_noise import noise_of_force
 from pipeline.discrepancy.noise import NoiseModel, whitened
 from pipeline.discrepancy.problem import Problem
 
@@ -49,8 +50,12 @@ def learn_noise(problem: Problem) -> NoisePrior:
     """Noise from contrasts of repeated cycles, or from what is rough where nothing repeats.
 
     A contrast is a sum over repeats whose weights cancel what repeats and what grows linearly
-    from repeat to repeat, so that physics of either kind is no noise.
+    from repeat to repeat, so that physics of either kind is no noise. Of a force against motion,
+    what no flexible law of force leaves out (`force_noise.py`).
     """
+    if problem.motion.kinetics is not None:
+        model = noise_of_force(problem, problem.motion.kinetics)
+        return NoisePrior(model, 0, UNSURE, (), FINEST * problem.around.angle_span)
     residual = np.where(problem.train, problem.measured - problem.simulated, np.nan)
     groups = repeated_cycles(problem)
     series = tuple(s for rows in groups for s in contrasts(residual, rows))

@@ -1,13 +1,15 @@
 """The problem of one measurement: what drove it, what was measured, what may be fitted."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from pipeline.config import DiagnosisConfig, HeldoutConfig, ToleranceConfig
 from pipeline.errors import LoopgapError, refusal
+from pipeline.physics.differentiation import Derivatives
 from pipeline.physics.kinematics import Curve, IdentityCurve, sampled_curve
+from pipeline.physics.mechanism import Mechanism, Piece, Trace
 from pipeline.physics.motion import Motion
 from pipeline.physics.term import Surroundings
 from pipeline.recording import Recording, reversals_of
@@ -17,6 +19,7 @@ STATIC_ERROR = 2e-3
 FEWEST_SAMPLES = 40
 MOST_ROWS = 6000
 MIXED = 0.05
+MOST_KEPT = 500
 
 
 class DiagnosisError(LoopgapError):
@@ -24,11 +27,56 @@ class DiagnosisError(LoopgapError):
 
 
 @dataclass(frozen=True)
+class Averaged:
+    """Rows that are means over blocks of `size` samples of a motion, its last few samples left out.
+
+    A mechanism works on every sample; its answers are averaged like the measurement. What a piece
+    adds does not depend on the others unless one changes the sum: then its means are kept.
+    """
+
+    motion: Motion
+    size: int
+    kept: dict[tuple[str, str, bytes], np.ndarray] = field(default_factory=dict)
+
+    def mean(self, values: np.ndarray) -> np.ndarray:
+        """Block means of samples (n,), NaN where one of a block is."""
+        rows = len(values) // self.size
+        return np.asarray(values[: rows * self.size].reshape(rows, self.size).mean(axis=1))
+
+    def trace(self, mechanism: Mechanism) -> Trace:
+        """The block means of what a mechanism does."""
+        if all(piece.term.adds for piece in mechanism.pieces):
+            simulated = self._added(None)
+            added = sum((self._added(piece) for piece in mechanism.pieces), 0.0 * simulated)
+            return Trace(simulated, simulated + added, {}, added)
+        trace = mechanism.trace(self.motion)
+        changed = None if trace.added is None else self.mean(trace.added)
+        return Trace(self.mean(trace.body), self.mean(trace.seen), trace.state, changed)
+
+    def _added(self, piece: Piece | None) -> np.ndarray:
+        """Means of what a piece adds, (rows,); of the simulated force for None."""
+        term, values = (None, np.zeros(0)) if piece is None else (piece.term, piece.values)
+        key = ("", "", b"") if term is None else (term.name, term.form, values.tobytes())
+        if key not in self.kept:
+            if len(self.kept) > MOST_KEPT:
+                self.kept.clear()
+            if piece is None:
+                self.kept[key] = self.mean(Mechanism().trace(self.motion).seen)
+            else:
+                added = Mechanism(pieces=(piece,)).trace(self.motion).added
+                assert added is not None
+                self.kept[key] = self.mean(added)
+        return self.kept[key]
+
+
+@dataclass(frozen=True)
 class Problem:
     """Arrays are (n,). measured is NaN where nothing was measured.
 
     simulated: the simulation as it came. curve: of the drive, see `static`. train, heldout: masks
-    that part the measured rows; `train` is all that fit, noise and choice may look at.
+    that part the measured rows; `train` is all that fit, noise and choice may look at. averaged:
+    the samples behind rows that are block means. derivatives: of the position that a force is
+    measured against.
     """
 
     motion: Motion
@@ -41,6 +89,8 @@ class Problem:
     tolerance: ToleranceConfig
     drive: str
     static: bool
+    averaged: Averaged | None = None
+    derivatives: Derivatives | None = None
 
     @property
     def cycle(self) -> np.ndarray:
@@ -51,18 +101,18 @@ class Problem:
         """Whether the simulation's trace mixes commands: then no one shaft is behind it."""
         return self.drive in self.motion.others
 
+    def trace(self, pieces: Sequence[Piece]) -> Trace:
+        """What a mechanism of some pieces does over all rows, without calibration."""
+        mechanism = Mechanism(self.curve, pieces)
+        if self.averaged is None:
+            return mechanism.trace(self.motion)
+        return self.averaged.trace(mechanism)
+
     def rows(self, wanted: np.ndarray) -> "Problem":
         """The same problem on some of its rows (indices)."""
-        motion = self.motion
         return replace(
             self,
-            motion=replace(
-                motion,
-                drive=motion.drive[wanted],
-                time_s=motion.time_s[wanted],
-                cycle=motion.cycle[wanted],
-                others={name: values[wanted] for name, values in motion.others.items()},
-            ),
+            motion=self.motion.rows(wanted),
             measured=self.measured[wanted],
             simulated=self.simulated[wanted],
             train=self.train[wanted],
@@ -82,12 +132,24 @@ def pose_problem(
     known = np.isfinite(measured) & np.isfinite(simulated)
     heldout = held_out_rows(config.heldout, motion, known)
     train = known & ~heldout
-    if not (known & heldout).any():
+    refuse_unfit(config.heldout, measurement, train, known & heldout)
+    around = surroundings_of(recording, measurement, motion, simulated, drive, static)
+    return Problem(
+        motion, curve, measured, simulated, train, known & heldout, around, config.tolerance,
+        drive, static,
+    )  # fmt: skip
+
+
+def refuse_unfit(
+    config: HeldoutConfig, measurement: str, train: np.ndarray, heldout: np.ndarray
+) -> None:
+    """Raise DiagnosisError where masks (n,) leave too few rows to fit on, or none as a proof."""
+    if not heldout.any():
         raise DiagnosisError(
             refusal(
                 f"measurement {measurement!r}",
                 "measured rows that are held out",
-                f"none ({config.heldout.kind}, after_s={config.heldout.after_s})",
+                f"none ({config.kind}, after_s={config.after_s})",
                 "Hold out other rows: see diagnosis.heldout.",
             )
         )
@@ -96,15 +158,10 @@ def pose_problem(
             refusal(
                 f"measurement {measurement!r}",
                 f"at least {FEWEST_SAMPLES} measured samples to fit on",
-                f"{int(train.sum())} of {len(measured)} rows (held-out cycles are not counted)",
+                f"{int(train.sum())} of {len(train)} rows (held-out cycles are not counted)",
                 "Record more cycles or more steps.",
             )
         )
-    around = surroundings_of(recording, measurement, motion, simulated, drive, static)
-    return Problem(
-        motion, curve, measured, simulated, train, known & heldout, around, config.tolerance,
-        drive, static,
-    )  # fmt: skip
 
 
 def held_out_rows(config: HeldoutConfig, motion: Motion, known: np.ndarray) -> np.ndarray:

@@ -7,7 +7,7 @@ import numpy as np
 
 from pipeline.discrepancy.fit import Fit, calibrated, parameters_of, respond_beside
 from pipeline.discrepancy.problem import Problem
-from pipeline.physics.mechanism import Mechanism, Piece
+from pipeline.physics.mechanism import Piece
 from pipeline.physics.term import Term
 
 SCALES = (0.1, 8.0)
@@ -62,12 +62,11 @@ class Effects:
 
 def effects_of(problem: Problem, terms: Sequence[Term]) -> Effects:
     """The nominal effects of all candidates of some terms."""
-    nominal = Mechanism(problem.curve).trace(problem.motion).seen
+    nominal = problem.trace(()).seen
     places = [(t, v) for t in terms for v in t.candidates(problem.motion, problem.around)]
     columns = np.empty((len(nominal), len(places)))
     for k, (term, values) in enumerate(places):
-        seen = Mechanism(problem.curve, (Piece(term, values),)).trace(problem.motion).seen
-        columns[:, k] = seen - nominal
+        columns[:, k] = problem.trace((Piece(term, values),)).seen - nominal
     return Effects(places, columns)
 
 
@@ -80,7 +79,7 @@ def screen(fit: Fit, effects: Effects, terms: Sequence[Term], starts: int = 3) -
     columns = np.empty((len(predicted), len(places)))
     for k, (term, values) in enumerate(places):
         trace = respond_beside(fit, (*fit.pieces, Piece(term, values)), term)
-        columns[:, k] = ground.nuisances.columns(trace) @ fit.nuisance - predicted
+        columns[:, k] = ground.nuisances.answer(trace, fit.nuisance) - predicted
     best: dict[tuple[str, str], list[Lead]] = {}
     for (term, values), (gain, factor) in zip(places, _gains(fit, places, columns), strict=True):
         if gain > 0.0:

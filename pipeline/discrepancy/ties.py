@@ -15,6 +15,8 @@ BENDS = ("camera_tilt", "lens_distortion", "compliance", "gravity")
 LOOPS = ("creep", "friction", "response_lag")
 DELAYS = ("backlash", "frame_lag", "response_lag")
 SAME_DWELL = 0.2
+IN_STEP = ("inertia", "stiffness")
+ALONG = 0.99
 
 
 @dataclass(frozen=True)
@@ -84,6 +86,8 @@ def equivalents(name: str, problem: Problem, best: Choice) -> list[str]:
     play.
     """
     out: list[str] = []
+    if problem.motion.kinetics is not None:
+        return [n for n in IN_STEP if name in IN_STEP and n != name and in_step(problem)]
     if name in BENDS:
         out += [n for n in BENDS if n != name]
     if not dwell_varies(problem):
@@ -92,6 +96,16 @@ def equivalents(name: str, problem: Problem, best: Choice) -> list[str]:
         if name in DELAYS and not step_varies(problem):
             out += [n for n in DELAYS[:2] if n != name]
     return out
+
+
+def in_step(problem: Problem) -> bool:
+    """Whether acceleration follows position, as at one frequency: a mass is a negative spring."""
+    kinetics = problem.motion.kinetics
+    if kinetics is None:
+        return False
+    rows = problem.train
+    along = np.corrcoef(problem.motion.drive[rows], kinetics.acceleration[rows])[0, 1]
+    return bool(abs(along) > ALONG)
 
 
 def dwell_varies(problem: Problem) -> bool:

@@ -1,12 +1,13 @@
 """The verdict: is what the chosen terms leave still structured, and how many names does it bear?"""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.stats import kurtosis, norm, skew
 
 from pipeline.discrepancy.choose import Choice
 from pipeline.discrepancy.explain import Explanation
+from pipeline.discrepancy.fit import evaluate, improve
 from pipeline.discrepancy.rest import Rest, structured_rest
 from pipeline.recording import branch_of
 
@@ -86,9 +87,10 @@ def sureness(rest: Rest) -> float:
 def odd_signs(explanation: Explanation, choice: Choice) -> dict[str, float]:
     """What about the innovations no noise of ours would show, with its size."""
     fit = choice.fit
-    e, drive = fit.innovations, explanation.problem.motion.drive
-    used = fit.ground.used
-    direction = branch_of(drive)[used]
+    apart = slice(None, None, int(fit.ground.noise.spell))
+    drive = explanation.problem.motion.drive
+    used = np.flatnonzero(fit.ground.used)[apart]
+    e, direction = fit.innovations[apart], branch_of(drive)[used]
     noise, learnt = fit.ground.noise, explanation.prior.model.deviation
     tails = float(kurtosis(e))
     heavy, lopsided = CHANCE * np.sqrt(24.0 / len(e)), CHANCE * np.sqrt(6.0 / len(e))
@@ -143,6 +145,8 @@ def fewer(explanation: Explanation, choice: Choice) -> Choice:
     """
     if not choice.fit.pieces:
         return choice
+    if explanation.problem.motion.kinetics is not None:
+        return weightier(explanation, choice)
     base = next(c for c in explanation.choices if not c.fit.pieces)
     singles = [c for c in explanation.choices if len(set(c.fit.names)) == 1]
     if not singles:
@@ -151,6 +155,20 @@ def fewer(explanation: Explanation, choice: Choice) -> Choice:
     noise = explanation.prior.model.deviation**2
     left, before = (mean_square(explanation, c) - noise for c in (single, base))
     return single if left < (1.0 - ENOUGH) * before else base
+
+
+def weightier(explanation: Explanation, choice: Choice) -> Choice:
+    """Only terms of force that explain more than all of them together leave.
+
+    What explains less may merely mop up the rest. Forces add, so that the others need not go.
+    """
+    left = mean_square(explanation, choice)
+    for piece in choice.fit.pieces:
+        rest = [p for p in choice.fit.pieces if p is not piece]
+        fit = improve(evaluate(choice.fit.ground, rest))
+        if mean_square(explanation, replace(choice, fit=fit)) < 2.0 * left:
+            return weightier(explanation, explanation.search.weighed(fit, choice.place))
+    return choice
 
 
 def mean_square(explanation: Explanation, choice: Choice) -> float:

@@ -7,6 +7,7 @@ from pipeline.physics.backlash import Backlash
 from pipeline.physics.camera_tilt import CameraTilt
 from pipeline.physics.compliance import Compliance
 from pipeline.physics.contact import Contact
+from pipeline.physics.coulomb_friction import CoulombFriction
 from pipeline.physics.coupling import WITH_PLAY, Coupling
 from pipeline.physics.creep import Creep
 from pipeline.physics.drift import Drift
@@ -14,22 +15,18 @@ from pipeline.physics.end_stop import EndStop
 from pipeline.physics.frame_lag import FrameLag
 from pipeline.physics.friction import Friction
 from pipeline.physics.gravity import Gravity
+from pipeline.physics.inertia import Inertia
 from pipeline.physics.lens_distortion import LensDistortion
 from pipeline.physics.lost_steps import LostSteps
 from pipeline.physics.marker_outliers import MarkerOutliers
 from pipeline.physics.response_lag import ResponseLag
 from pipeline.physics.slack import Slack
+from pipeline.physics.stiffness import Stiffness
+from pipeline.physics.stribeck_friction import StribeckFriction
 from pipeline.physics.tension_loss import TensionLoss
 from pipeline.physics.term import Term, TermError
 from pipeline.physics.transmission_ripple import TransmissionRipple
-
-FORCE_TERMS = (
-    "coulomb_friction",
-    "viscous_friction",
-    "stribeck_friction",
-    "stiffness",
-    "inertia",
-)
+from pipeline.physics.viscous_friction import ViscousFriction
 
 
 def terms(other_commands: Iterable[str] = ()) -> tuple[Term, ...]:
@@ -61,6 +58,20 @@ def terms(other_commands: Iterable[str] = ()) -> tuple[Term, ...]:
     )
 
 
+def force_terms() -> tuple[Term, ...]:
+    """Every term that a force measured against a position can show, as `terms` does for a chain."""
+    return (
+        Inertia(),
+        CoulombFriction(),
+        ViscousFriction(),
+        StribeckFriction(),
+        Stiffness(),
+        Drift("linear"),
+        Drift("cycle"),
+        Drift("exponential"),
+    )
+
+
 def richer(term: Term) -> tuple[Term, ...]:
     """Forms of a term that hold more of the real thing; their first parameters are the same."""
     others: dict[tuple[str, str], tuple[Term, ...]] = {
@@ -72,6 +83,11 @@ def richer(term: Term) -> tuple[Term, ...]:
         ("contact", "lower"): (Contact("lower unloading"),),
         ("frame_lag", "time"): (FrameLag("frames"),),
         ("response_lag", "first"): (ResponseLag("second"),),
+        ("coulomb_friction", ""): (CoulombFriction("asymmetric"), CoulombFriction("spread")),
+        ("coulomb_friction", "asymmetric"): (CoulombFriction("asymmetric spread"),),
+        ("viscous_friction", ""): (ViscousFriction("asymmetric"),),
+        ("stribeck_friction", ""): (StribeckFriction("asymmetric"),),
+        ("stiffness", ""): (Stiffness("asymmetric"), Stiffness("hardening")),
     }
     if isinstance(term, Coupling) and not term.plays:
         return (Coupling(f"{term.form}{WITH_PLAY}"),)
@@ -80,7 +96,9 @@ def richer(term: Term) -> tuple[Term, ...]:
 
 def term(name: str, form: str = "", other_commands: Iterable[str] = ()) -> Term:
     """The term of a name (and form); TermError names those that exist."""
-    found = [t for first in terms(other_commands) for t in (first, *richer(first))]
+    every = (*terms(other_commands), *force_terms())
+    found = [t for first in every for t in (first, *richer(first))]
+    found += [richest for t in found for richest in richer(t)]
     found.append(Drift("wave"))
     for candidate in found:
         if candidate.name == name and form in ("", candidate.form):

@@ -18,6 +18,7 @@ class Drift(Term):
 
     name = "drift"
     site = "sensor"
+    adds = True
     says = "The zero wanders while it runs."
 
     def __init__(self, form: str = "linear") -> None:

@@ -17,6 +17,11 @@ ORDER = (
     "tension_loss",
     "slack",
     "response_lag",
+    "inertia",
+    "coulomb_friction",
+    "viscous_friction",
+    "stribeck_friction",
+    "stiffness",
     "frame_lag",
     "camera_tilt",
     "lens_distortion",
@@ -38,11 +43,15 @@ State = Mapping[str, np.ndarray]
 
 @dataclass(frozen=True)
 class Trace:
-    """body: (n,) the joint's angle in balance. seen: (n,) what the sensor makes of it."""
+    """body: (n,) the joint's angle in balance. seen: (n,) what the sensor makes of it.
+
+    added: (n,) the part of `seen` that no gain of the simulation scales: what terms add to a force.
+    """
 
     body: np.ndarray
     seen: np.ndarray
     state: State
+    added: np.ndarray | None = None
 
 
 @dataclass(frozen=True)
@@ -50,7 +59,9 @@ class Mechanism:
     """drive -> drive terms -> nominal curve -> balance at the joint -> joint and sensor terms.
 
     Terms that are in balance (friction, compliance, gravity, contact, stop) meet in one implicit
-    equation, see `balance.py`. The answer is gain * seen + offset + error(seen).
+    equation, see `balance.py`. The answer is gain * seen + offset + error(seen). Where a force is
+    measured against the motion, terms add to the simulated force and the gain is that of the
+    simulation: gain * simulated + offset + what the terms add.
     """
 
     curve: Curve = field(default_factory=IdentityCurve)
@@ -66,6 +77,8 @@ class Mechanism:
         """
         trace = self.trace(motion, state)
         answer = self.gain * trace.seen + self.offset
+        if trace.added is not None:
+            answer += (1.0 - self.gain) * trace.added
         return answer if self.error is None else answer + self.error(trace.seen), trace.state
 
     def trace(self, motion: Motion, state: State | None = None) -> Trace:
@@ -77,7 +90,8 @@ class Mechanism:
         for piece in pieces:
             if piece.term.before_curve:
                 signal = _apply(piece, signal, motion, before, after)
-        signal = self.curve(signal)
+        kinetics = motion.kinetics
+        signal = self.curve(signal) if kinetics is None else kinetics.simulated
         balanced = [p for p in pieces if p.term.in_balance]
         if balanced:
             signal, states = settle(
@@ -102,7 +116,8 @@ class Mechanism:
         for piece in pieces:
             if not (piece.term.before_curve or piece.term.in_balance):
                 seen = _apply(piece, seen, motion, before, after)
-        return Trace(body, seen, after)
+        kinetics = motion.kinetics
+        return Trace(body, seen, after, None if kinetics is None else seen - kinetics.simulated)
 
 
 def _place(piece: Piece) -> int:

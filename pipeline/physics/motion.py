@@ -7,15 +7,34 @@ import numpy as np
 
 
 @dataclass(frozen=True)
+class Kinetics:
+    """What a force against motion goes by, each (n,).
+
+    velocity [drive unit/s], acceleration [drive unit/s^2]. simulated: the force that the
+    simulation says already [measurement's unit].
+    """
+
+    velocity: np.ndarray
+    acceleration: np.ndarray
+    simulated: np.ndarray
+
+    def rows(self, part: slice | np.ndarray) -> "Kinetics":
+        """The same for some of the samples."""
+        return Kinetics(self.velocity[part], self.acceleration[part], self.simulated[part])
+
+
+@dataclass(frozen=True)
 class Motion:
     """A block of n samples in the order of time.
 
     drive: (n,) what goes into the chain: the axis's own command [its unit], or the trace of a
-        simulation that is no static curve of the command [the measurement's unit].
+        simulation that is no static curve of the command [the measurement's unit]; the position
+        where a force is measured.
     time_s: (n,) when each sample was taken.
     cycle: (n,) number of the cycle, from 0.
     others: the other axes' commands by name, each (n,).
     radian: how many angle units a radian has (1 where the angle is no angle).
+    kinetics: None unless a force is measured against the motion.
     """
 
     drive: np.ndarray
@@ -23,16 +42,18 @@ class Motion:
     cycle: np.ndarray
     others: Mapping[str, np.ndarray] = field(default_factory=dict)
     radian: float = 180.0 / np.pi
+    kinetics: Kinetics | None = None
 
     def __len__(self) -> int:
         return len(self.drive)
 
-    def rows(self, part: slice) -> "Motion":
-        """The same motion over a slice of its samples."""
+    def rows(self, part: slice | np.ndarray) -> "Motion":
+        """The same motion over some of its samples (a slice or indices)."""
         return replace(
             self,
             drive=self.drive[part],
             time_s=self.time_s[part],
             cycle=self.cycle[part],
             others={name: values[part] for name, values in self.others.items()},
+            kinetics=None if self.kinetics is None else self.kinetics.rows(part),
         )

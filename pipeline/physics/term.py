@@ -22,7 +22,8 @@ class Parameter:
     """A number with a meaning; `start` is where a search begins, `typical` a size that is usual.
 
     stepwise: it acts between two samples only, so that the answer has no slope by it. weak: data
-    say little of it, so that it is held near its start and no choice charges for it.
+    say little of it, so that it is held near its start and no choice charges for it. relative: it
+    may lie anywhere over decades, so that its slope is taken over a share of its value.
     """
 
     name: str
@@ -33,6 +34,7 @@ class Parameter:
     typical: float
     stepwise: bool = False
     weak: bool = False
+    relative: bool = False
 
 
 @dataclass(frozen=True)
@@ -42,7 +44,9 @@ class Surroundings:
     drive_span, angle_span: range of the drive [drive unit] and of the simulated angle [angle unit].
     drive_low, angle_low: their lower ends. step: median step of the drive [drive unit].
     dwell_s: median time between samples. start_s, end_s: first and last time. cycles: how many.
-    other_span, other_unit: range and unit of each other command.
+    other_span, other_unit: range and unit of each other command. top_speed, top_acceleration: of
+    the drive where a force is measured against it [drive unit/s, /s^2]; the angle is then the
+    force, and `simulated` says whether the simulation has a force at all.
     """
 
     drive_span: float = 120.0
@@ -59,6 +63,9 @@ class Surroundings:
     angle_unit: str = "deg"
     other_span: Mapping[str, float] = field(default_factory=dict)
     other_unit: Mapping[str, str] = field(default_factory=dict)
+    top_speed: float = 0.0
+    top_acceleration: float = 0.0
+    simulated: bool = False
 
 
 class Term:
@@ -66,13 +73,15 @@ class Term:
 
     name: the catalogue's name. form: which of several forms of it ("" where there is one).
     site: where in the chain it acts. before_curve: True where it acts on the drive, before the
-    nominal curve. says: one line that a mechanic understands, with `{parameter}` fields.
+    nominal curve. adds: whether what it adds does not depend on the signal. says: one line that a
+    mechanic understands, with `{parameter}` fields.
     """
 
     name: ClassVar[str]
     site: ClassVar[str]
     before_curve: bool = False
     in_balance: bool = False
+    adds: bool = False
     group: ClassVar[str] = ""
     says: ClassVar[str]
     form: str = ""

@@ -5,17 +5,24 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 from threadpoolctl import threadpool_limits
 
-from pipeline.config import DiagnosisConfig
+from pipeline.config import Config, DiagnosisConfig
 from pipeline.discrepancy import model as stored
 from pipeline.discrepancy.account import with_account
 from pipeline.discrepancy.model import CorrectedModel
 from pipeline.discrepancy.next_experiment import Proposal
 from pipeline.discrepancy.result import Diagnosis, Evidence, as_json
 from pipeline.errors import UsageError, refusal
-from pipeline.recording import Recording, load_recording, save_recording, write_atomically
+from pipeline.recording import (
+    Channel,
+    Recording,
+    load_recording,
+    save_recording,
+    write_atomically,
+)
 from pipeline.runners.run_folder import Run, made
 from pipeline.runners.simulation import with_simulation
 from pipeline.stages.diagnosis import diagnose
@@ -155,9 +162,34 @@ def run_prediction(run: Run) -> None:
                     "Point `model=` at the folder of a run with stages=[diagnosis].")
         )  # fmt: skip
     models = stored_models(file, recording)
-    predictions = predict(models, recording)
+    recording = with_forces(run.config, recording, models)
+    predictions = predict(models, recording, run.config.diagnosis.cutoff_hz)
     write_atomically(run.folder / "predictions.csv", predictions.to_csv(index=False))
     print(f"  {len(predictions)} rows in {run.folder / 'predictions.csv'}")
+
+
+def with_forces(
+    config: Config, recording: Recording, models: Sequence[CorrectedModel]
+) -> Recording:
+    """The recording with the simulated forces that models correct, as the configuration says.
+
+    Raises UsageError where a model needs a simulation and nothing brings one.
+    """
+    for model in models:
+        name = model.measurement
+        if not (model.force and model.simulated) or recording.simulation_of(name) is not None:
+            continue
+        if name not in {c.name for c in recording.channels}:
+            nothing = np.full(len(recording.samples), np.nan)
+            recording = recording.with_channel(Channel(name, "measurement", model.unit), nothing)
+        recording = with_simulation(config, recording)
+        channel = recording.simulation_of(name)
+        if channel is None or not np.any(recording.values(channel.name)):
+            raise UsageError(
+                refusal(f"simulation of {name!r}", "the one that the diagnosis had", "none",
+                        "Say the same simulation=, or add its channel to the recording.")
+            )  # fmt: skip
+    return recording
 
 
 def stored_models(file: Path, recording: Recording) -> list[CorrectedModel]:

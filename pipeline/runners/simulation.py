@@ -19,6 +19,7 @@ from pipeline.stages.simulation import simulate
 def with_simulation(config: Config, recording: Recording) -> Recording:
     """The recording with a simulation of every measurement; a trace's resampling is said."""
     settings, heldout = config.simulation, config.diagnosis.heldout
+    cutoff_hz = config.diagnosis.cutoff_hz
     lacking = [
         c.name
         for c in recording.with_role("measurement")
@@ -27,10 +28,10 @@ def with_simulation(config: Config, recording: Recording) -> Recording:
     if settings.kind == "trace" and lacking:
         trace = read_trace(settings.path, lacking)
         _say(trace, recording)
-        return simulate(settings, recording, heldout, trace)
+        return simulate(settings, recording, heldout, trace, cutoff_hz)
     if settings.kind == "mechanism" and settings.path is not None:
         settings = replace(settings, axes={**settings.axes, **read_axes(settings.path)})
-    return simulate(settings, recording, heldout)
+    return simulate(settings, recording, heldout, cutoff_hz=cutoff_hz)
 
 
 def _say(trace: pd.DataFrame, recording: Recording) -> None:

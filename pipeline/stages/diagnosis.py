@@ -4,9 +4,11 @@ import numpy as np
 
 from pipeline.config import DiagnosisConfig
 from pipeline.discrepancy.diagnose import diagnose_measurement
-from pipeline.discrepancy.problem import FEWEST_SAMPLES, DiagnosisError, pose_problem
+from pipeline.discrepancy.force_problem import pose_force_problem
+from pipeline.discrepancy.problem import FEWEST_SAMPLES, DiagnosisError, Problem, pose_problem
 from pipeline.discrepancy.result import DiagnosisResult
 from pipeline.errors import refusal
+from pipeline.physics.force_motion import position_of
 from pipeline.recording import Recording
 
 
@@ -25,9 +27,7 @@ def diagnose(config: DiagnosisConfig, recording: Recording) -> DiagnosisResult:
             )
         )
     found = [
-        diagnose_measurement(
-            recording, m.name, pose_problem(config, recording, m.name, simulated(recording, m.name))
-        )
+        diagnose_measurement(recording, m.name, posed(config, recording, m.name))
         for m in measurements
     ]
     return DiagnosisResult(
@@ -35,6 +35,15 @@ def diagnose(config: DiagnosisConfig, recording: Recording) -> DiagnosisResult:
         tuple(e for _, e, _ in found),
         tuple(m for _, _, m in found),
     )
+
+
+def posed(config: DiagnosisConfig, recording: Recording, measurement: str) -> Problem:
+    """The problem of a measurement: a force against motion, or an angle behind a command."""
+    simulation = simulated(recording, measurement)
+    position = position_of(recording, measurement)
+    if position is None:
+        return pose_problem(config, recording, measurement, simulation)
+    return pose_force_problem(config, recording, measurement, position, simulation)
 
 
 def simulated(recording: Recording, measurement: str) -> np.ndarray:

@@ -13,11 +13,13 @@ from pipeline.config import HeldoutConfig, SimulatedAxis, SimulationConfig
 from pipeline.discrepancy.problem import held_out_rows
 from pipeline.errors import LoopgapError, UsageError, refusal
 from pipeline.physics.assembly import pieces_of
+from pipeline.physics.force_motion import position_of
 from pipeline.physics.kinematics import CubicCurve
 from pipeline.physics.mechanism import Mechanism
 from pipeline.physics.motion import Motion
 from pipeline.physics.term import Surroundings
 from pipeline.recording import CONTEXT_COLUMNS, Channel, Recording
+from pipeline.stages.force_simulation import force_answer
 
 OTHERS = "simulation=identity, affine, trace, mechanism or python"
 FEWEST = 10
@@ -29,12 +31,14 @@ def simulate(
     recording: Recording,
     heldout: HeldoutConfig | None = None,
     trace: pd.DataFrame | None = None,
+    cutoff_hz: float | None = None,
 ) -> Recording:
     """The recording with a simulation channel for each measurement that has none.
 
     A recorded simulation always stays. heldout: rows that `affine` must not look at. trace: the
-    table of kind `trace`, `time_s` and a column for each measurement. UsageError where nothing
-    simulates a measurement.
+    table of kind `trace`, `time_s` and a column for each measurement. cutoff_hz: see
+    `differentiate`. A force against motion of which no mechanism is named is simulated as 0.
+    UsageError where nothing simulates a measurement.
     """
     lacking = [
         c for c in recording.with_role("measurement") if recording.simulation_of(c.name) is None
@@ -44,7 +48,7 @@ def simulate(
     if config.kind == "python":
         answers = _call(config.function, recording, lacking)
     elif config.kind == "mechanism":
-        answers = [_mechanism_answer(config, recording, c.name) for c in lacking]
+        answers = [_mechanism_answer(config, recording, c.name, cutoff_hz) for c in lacking]
     elif config.kind == "identity":
         answers = [_identity(recording, c) for c in lacking]
     elif config.kind == "affine":
@@ -125,7 +129,12 @@ def _resampled(trace: pd.DataFrame, recording: Recording, name: str) -> np.ndarr
     return out
 
 
-def _mechanism_answer(config: SimulationConfig, recording: Recording, name: str) -> np.ndarray:
+def _mechanism_answer(
+    config: SimulationConfig, recording: Recording, name: str, cutoff_hz: float | None
+) -> np.ndarray:
+    position = position_of(recording, name)
+    if position is not None:
+        return force_answer(config, recording, name, position, cutoff_hz)
     if name not in config.axes:
         raise UsageError(
             refusal("simulation.axes", f"a mechanism for {name!r}",

@@ -1,0 +1,128 @@
+"""The problem of a force against motion: derivatives, sizes, and means over blocks of samples."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from pipeline.config import DiagnosisConfig
+from pipeline.discrepancy.problem import (
+    MOST_ROWS,
+    Averaged,
+    Problem,
+    held_out_rows,
+    refuse_unfit,
+)
+from pipeline.physics.differentiation import Derivatives
+from pipeline.physics.force_motion import force_motion
+from pipeline.physics.kinematics import IdentityCurve
+from pipeline.physics.motion import Kinetics, Motion
+from pipeline.physics.term import Surroundings
+from pipeline.recording import Recording
+
+TOP = 0.99
+ROWS_A_PERIOD = 2.5
+
+
+def pose_force_problem(
+    config: DiagnosisConfig,
+    recording: Recording,
+    measurement: str,
+    position: str,
+    simulated: np.ndarray,
+) -> Problem:
+    """What is to be explained: a force measured against `position`, given a simulation of it (n,).
+
+    Rows at the ends, where the differentiation sees one side only, neither fit nor judge. Raises
+    DiagnosisError where there is too little to judge.
+    """
+    motion, derivatives = force_motion(recording, position, simulated, config.cutoff_hz)
+    measured = recording.values(measurement)
+    known = np.isfinite(measured) & np.isfinite(simulated) & derivatives.known
+    heldout = held_out_rows(config.heldout, motion, known)
+    train = known & ~heldout
+    refuse_unfit(config.heldout, measurement, train, known & heldout)
+    around = _surroundings(recording, measurement, position, motion, measured[train])
+    return Problem(
+        motion=motion,
+        curve=IdentityCurve(),
+        measured=measured,
+        simulated=motion_simulated(motion),
+        train=train,
+        heldout=known & heldout,
+        around=around,
+        tolerance=config.tolerance,
+        drive=position,
+        static=True,
+        derivatives=derivatives,
+    )
+
+
+def motion_simulated(motion: Motion) -> np.ndarray:
+    """The force that the simulation says, (n,); of a motion that has kinetics."""
+    assert motion.kinetics is not None
+    return motion.kinetics.simulated
+
+
+def _surroundings(
+    recording: Recording, measurement: str, position: str, motion: Motion, measured: np.ndarray
+) -> Surroundings:
+    kinetics = motion.kinetics
+    assert kinetics is not None
+    return Surroundings(
+        drive_span=float(np.ptp(motion.drive)),
+        drive_low=float(np.min(motion.drive)),
+        angle_span=max(float(np.ptp(measured)), 1e-12),
+        angle_low=float(np.min(measured)),
+        step=float(np.median(np.abs(np.diff(motion.drive)))),
+        dwell_s=float(np.median(np.diff(motion.time_s))),
+        start_s=float(motion.time_s[0]),
+        end_s=float(motion.time_s[-1]),
+        cycles=len(np.unique(motion.cycle)),
+        travel=float(np.abs(np.diff(motion.drive)).sum()),
+        drive_unit=recording.channel(position).unit,
+        angle_unit=recording.channel(measurement).unit,
+        top_speed=float(np.quantile(np.abs(kinetics.velocity), TOP)),
+        top_acceleration=float(np.quantile(np.abs(kinetics.acceleration), TOP)),
+        simulated=bool(np.any(kinetics.simulated)),
+    )
+
+
+def averaged(problem: Problem, derivatives: Derivatives) -> tuple[Problem, int]:
+    """The problem with block means as rows, and how many samples make one.
+
+    Blocks are as long as leaves 2.5 rows to a period of the cut-off, and longer where there would
+    be more than MOST_ROWS: the mean of a block is the low-pass before that decimation, the same for
+    the measured force and for what each term adds (the parallel filter of Gautier, Janot and
+    Vandanjon, IEEE Trans. Control Syst. Technol. 21 (2013) 428). A block counts as fitted where all
+    its samples do.
+    """
+    last = int(np.flatnonzero(problem.train)[-1]) + 1
+    by_cutoff = int(derivatives.rate_hz / (ROWS_A_PERIOD * derivatives.cutoff_hz))
+    size = max(by_cutoff, -(-last // MOST_ROWS), 1)
+    fine = problem.motion.rows(slice(0, max(last, size)))
+    blocks = Averaged(fine, size)
+    kinetics = fine.kinetics
+    assert kinetics is not None
+    first = np.arange(0, len(fine) // size * size, size)
+    n = len(fine)
+    motion = Motion(
+        drive=blocks.mean(fine.drive),
+        time_s=blocks.mean(fine.time_s),
+        cycle=fine.cycle[first],
+        radian=1.0,
+        kinetics=Kinetics(
+            blocks.mean(kinetics.velocity),
+            blocks.mean(kinetics.acceleration),
+            blocks.mean(kinetics.simulated),
+        ),
+    )
+    small = replace(
+        problem,
+        motion=motion,
+        measured=blocks.mean(problem.measured[:n]),
+        simulated=blocks.mean(problem.simulated[:n]),
+        train=blocks.mean(problem.train[:n].astype(float)) == 1.0,
+        heldout=blocks.mean(problem.heldout[:n].astype(float)) == 1.0,
+        averaged=blocks,
+    )
+    return small, size

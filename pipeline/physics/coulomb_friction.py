@@ -1,0 +1,54 @@
+"""Coulomb friction: a force against the motion, whatever its speed."""
+
+import numpy as np
+
+from pipeline.physics.force_term import ASYMMETRY, ForceTerm, both_ways, size
+from pipeline.physics.motion import Kinetics, Motion
+from pipeline.physics.pre_sliding import sliding, weighted
+from pipeline.physics.term import Parameter, Surroundings
+
+LEAST_REACH = 1e-6
+REACHES = (3e-5, 3e-4, 2e-3, 0.01, 0.03, 0.1, 0.3)
+
+
+def reach_of(around: Surroundings) -> Parameter:
+    """The travel over which a dry contact turns round."""
+    span = max(around.drive_span, 1e-12)
+    return Parameter("reach", around.drive_unit, LEAST_REACH * span, 2.0 * span, 2e-3 * span, 0.0,
+                     relative=True)  # fmt: skip
+
+
+class CoulombFriction(ForceTerm):
+    """F = force * z, where z goes from -1 to 1 over the pre-sliding travel (`pre_sliding.py`).
+
+    Forms: "" turns round as Dahl's curve does (spread 1); "asymmetric" with force (1 + asymmetry)
+    rising and (1 - asymmetry) falling; "spread" with the shape of the turn free; "asymmetric
+    spread" with both. Source: Coulomb (1785); Dahl, AIAA J. 14 (1976) 1675, and `pre_sliding.py`.
+    """
+
+    name = "coulomb_friction"
+    says = "Dry friction holds back by {force} at any speed, and turns round over {reach}."
+
+    def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
+        own = (size("force", around.angle_unit, 2.0 * around.angle_span, around), reach_of(around))
+        asymmetry = (ASYMMETRY,) if "asymmetric" in self.form else ()
+        spread = (Parameter("spread", "", 0.0, 1.0, 0.7, 0.0),) if "spread" in self.form else ()
+        return (*own, *asymmetry, *spread)
+
+    def force(
+        self, motion: Motion, kinetics: Kinetics, values: np.ndarray, state: np.ndarray | None
+    ) -> tuple[np.ndarray, np.ndarray | None]:
+        spread = float(values[-1]) if "spread" in self.form else 1.0
+        asymmetry = float(values[2]) if "asymmetric" in self.form else 0.0
+        share, state = sliding(motion.drive, float(values[1]), spread, state)
+        return values[0] * weighted(share, asymmetry), state
+
+    def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
+        own = [p.start for p in self.parameters(around)]
+        return np.array([[own[0], r * around.drive_span, *own[2:]] for r in REACHES])
+
+    def sentence(self, values: np.ndarray, around: Surroundings) -> str:
+        asymmetry = float(values[2]) if "asymmetric" in self.form else 0.0
+        ways = both_ways(float(values[0]), asymmetry, around.angle_unit)
+        reach = f"{values[1]:.3g} {around.drive_unit}"
+        return f"Dry friction holds back by {ways} at any speed, and turns round over {reach}."

@@ -1,0 +1,95 @@
+"""Velocity and acceleration from a measured position, and the cut-off that its noise allows."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+from scipy.ndimage import median_filter
+from scipy.signal import butter, sosfiltfilt, welch
+
+ORDER = 4
+UNEVEN = 0.01
+FEWEST_SAMPLES = 64
+SEGMENT = 1024
+SMOOTHED = 40
+NO_FILTER = 0.45
+EDGE_PERIODS = 1.0
+PAD_PERIODS = 3.0
+
+
+@dataclass(frozen=True)
+class Derivatives:
+    """Position [x], velocity [x/s] and acceleration [x/s^2] of each sample, each (n,).
+
+    cutoff_hz: of the low-pass; infinite where none was needed. rate_hz: of the even grid on which
+    it worked. resampled: whether the samples stood unevenly. known: (n,) mask, False at the ends,
+    where the filter sees one side only.
+    """
+
+    position: np.ndarray
+    velocity: np.ndarray
+    acceleration: np.ndarray
+    cutoff_hz: float
+    rate_hz: float
+    resampled: bool
+    known: np.ndarray
+
+
+def differentiate(
+    time_s: np.ndarray, position: np.ndarray, cutoff_hz: float | None = None
+) -> Derivatives:
+    """Low-pass a position without delay, then take central differences.
+
+    The low-pass is a Butterworth filter of order 4, run forwards and backwards; v = (x_{k+1} -
+    x_{k-1}) / 2h, a = (x_{k+1} - 2 x_k + x_{k-1}) / h^2. Of a sine of frequency f they err by
+    (2 pi f h)^2 / 6 and (2 pi f h)^2 / 12 of its velocity and acceleration, the filter by
+    1 - 1 / (1 + (f / cutoff)^8). Samples that stand unevenly (by more than 1 % of their median
+    distance) go by way of a cubic spline to an even grid and back. The cut-off is `cutoff_of`
+    unless given. Source: Gautier, Janot and Vandanjon, IEEE Trans. Control Syst. Technol. 21
+    (2013) 428, section II-C. Raises ValueError for fewer than 3 samples or times that stand still.
+    """
+    apart = np.diff(time_s)
+    if len(time_s) < 3 or not np.all(apart > 0.0):
+        raise ValueError("at least 3 samples at rising times")
+    h = float(np.median(apart))
+    resampled = bool(np.max(np.abs(apart - h)) > UNEVEN * h)
+    grid, x = time_s, np.asarray(position, dtype=float)
+    if resampled:
+        grid = np.arange(time_s[0], time_s[-1] + 0.5 * h, h)
+        x = CubicSpline(time_s, x)(grid)
+    cutoff = cutoff_of(x, 1.0 / h) if cutoff_hz is None else cutoff_hz
+    if cutoff < NO_FILTER / h:
+        x = low_passed(x, cutoff * h)
+    else:
+        cutoff = np.inf
+    v = np.gradient(x, h, edge_order=2)
+    a = np.empty_like(x)
+    a[1:-1] = np.diff(x, 2) / h**2
+    a[0], a[-1] = a[1], a[-2]
+    edge = max(EDGE_PERIODS / cutoff, 1.5 * h)
+    known = (time_s >= time_s[0] + edge) & (time_s <= time_s[-1] - edge)
+    if resampled:
+        x, v, a = (np.interp(time_s, grid, values) for values in (x, v, a))
+    return Derivatives(x, v, a, float(cutoff), 1.0 / h, resampled, known)
+
+
+def low_passed(values: np.ndarray, cutoff: float) -> np.ndarray:
+    """A zero-phase low-pass of evenly spaced values (n,); cutoff in periods a sample."""
+    sections = butter(ORDER, 2.0 * cutoff, output="sos")
+    pad = min(int(PAD_PERIODS / cutoff), len(values) - 1)
+    return np.asarray(sosfiltfilt(sections, values, padlen=pad))
+
+
+def cutoff_of(position: np.ndarray, rate_hz: float) -> float:
+    """Up to which frequency [Hz] differences show the motion; the rate if they do everywhere.
+
+    The spectrum of the second differences falls with the motion's own and rises, as f^4, with the
+    noise of the position: the cut-off is where it is lowest. It is smoothed by a running median,
+    so that a line does not count.
+    """
+    if len(position) < FEWEST_SAMPLES:
+        return rate_hz
+    bend = np.diff(position, 2)
+    frequency, power = welch(bend, rate_hz, nperseg=min(SEGMENT, len(bend)))
+    power = median_filter(power[1:], size=max(3, len(power) // SMOOTHED), mode="nearest")
+    return float(frequency[1 + int(np.argmin(power))])

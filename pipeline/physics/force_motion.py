@@ -1,0 +1,56 @@
+"""The motion that a force is measured against, out of a recording."""
+
+import numpy as np
+
+from pipeline.errors import LoopgapError, refusal
+from pipeline.physics.differentiation import Derivatives, differentiate
+from pipeline.physics.force_units import is_force, is_position
+from pipeline.physics.motion import Kinetics, Motion
+from pipeline.recording import Recording
+
+
+class MotionError(LoopgapError):
+    """A recording's motion can't be differentiated."""
+
+
+def position_of(recording: Recording, measurement: str) -> str | None:
+    """The command that a force was measured against; None where it is no force against motion.
+
+    That is where the measurement has a unit of force, torque, voltage or current and a command one
+    of length or angle. Of several such commands it is the one whose name begins alike, or the
+    first.
+    """
+    unit = recording.channel(measurement).unit
+    found = [
+        c.name
+        for c in recording.with_role("command")
+        if is_position(c.unit) and is_force(unit, c.unit)
+    ]
+    kin = [name for name in found if name.split("_")[0] == measurement.split("_")[0]]
+    return next(iter([*kin, *found]), None)
+
+
+def force_motion(
+    recording: Recording, position: str, simulated: np.ndarray, cutoff_hz: float | None = None
+) -> tuple[Motion, Derivatives]:
+    """The motion of the command `position` with its derivatives, see `differentiate`.
+
+    simulated: (n,) force of the simulation, empty where it says nothing of a row (0 then).
+    """
+    time_s = recording.values("time_s")
+    try:
+        found = differentiate(time_s, recording.values(position), cutoff_hz)
+    except ValueError as problem:
+        raise MotionError(
+            refusal(f"command {position!r}", f"{problem}, to differentiate it",
+                    f"{len(time_s)} samples, {int(np.sum(np.diff(time_s) <= 0.0))} of them at the "
+                    "time of the one before", "Remove repeated rows, or record more.")
+        ) from problem  # fmt: skip
+    motion = Motion(
+        drive=np.ascontiguousarray(found.position),
+        time_s=time_s,
+        cycle=recording.values("cycle").astype(np.int64),
+        radian=1.0,
+        kinetics=Kinetics(found.velocity, found.acceleration, np.nan_to_num(simulated)),
+    )
+    return motion, found

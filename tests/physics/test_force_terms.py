@@ -1,0 +1,133 @@
+"""Terms of force against motion: analytic answers, memory, units, words."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from pipeline.physics.catalogue import force_terms, richer, term
+from pipeline.physics.differentiation import differentiate
+from pipeline.physics.mechanism import Mechanism, Piece
+from pipeline.physics.motion import Kinetics, Motion
+from pipeline.physics.term import Surroundings, TermError, values_of
+
+AROUND = Surroundings(
+    drive_span=0.2, drive_low=-0.1, angle_span=100.0, angle_low=-50.0, dwell_s=1e-3, start_s=0.0,
+    end_s=4.0, cycles=4, drive_unit="m", angle_unit="N", top_speed=0.6, top_acceleration=4.0,
+)  # fmt: skip
+OWN = [t for first in force_terms() for t in (first, *richer(first)) if t.site == "body" and t.adds]
+
+
+def swing(amplitude=0.1, seconds=4.0):
+    t = np.arange(int(seconds * 1000)) / 1000.0
+    w = 2 * np.pi
+    x = amplitude * np.sin(w * t)
+    kinetics = Kinetics(amplitude * w * np.cos(w * t), -w * w * x, np.full(len(t), 3.0))
+    return Motion(x, t, (t // 1.0).astype(int), radian=1.0, kinetics=kinetics)
+
+
+def answer(name, form, values, motion):
+    return Mechanism(pieces=(Piece(term(name, form), np.array(values)),)).respond(motion)[0] - 3.0
+
+
+def test_forces_are_what_their_equations_say():
+    m = swing()
+    v, a = m.kinetics.velocity, m.kinetics.acceleration
+    np.testing.assert_allclose(answer("inertia", "", [2.0], m), 2.0 * a, atol=1e-12)
+    np.testing.assert_allclose(answer("stiffness", "", [7.0], m), 7.0 * m.drive, atol=1e-12)
+    np.testing.assert_allclose(
+        answer("stiffness", "hardening", [7.0, 5.0], m),
+        7.0 * (m.drive + 5.0 * m.drive**3),
+        atol=1e-12,
+    )
+    both = np.where(v > 0, 3.0 * 1.2, 3.0 * 0.8)
+    np.testing.assert_allclose(
+        answer("viscous_friction", "asymmetric", [3.0, 0.2], m), both * v, atol=1e-12
+    )
+
+
+def test_dry_friction_slides_at_its_force_and_turns_round_within_its_reach():
+    m = swing()
+    force = answer("coulomb_friction", "asymmetric", [10.0, 0.001, 0.2], m)
+    sliding = (np.abs(m.kinetics.velocity) > 0.3) & (np.arange(len(m)) > 50)
+    expected = np.where(m.kinetics.velocity > 0, 12.0, -8.0)
+    np.testing.assert_allclose(force[sliding], expected[sliding], atol=1e-6)
+    one_slider = answer("coulomb_friction", "spread", [10.0, 0.02, 0.0], m)
+    top = int(np.argmax(m.drive))
+    back = m.drive[top] - m.drive[top : top + 200]
+    np.testing.assert_allclose(
+        one_slider[top : top + 200], np.maximum(10.0 - 10.0 * back / 0.02, -10.0), atol=1e-9
+    )
+
+
+def test_dry_friction_remembers_small_loops():
+    """A small loop inside the pre-sliding travel closes on itself (return-point memory)."""
+    corners = [0.0, 0.1, 0.095, 0.1, 0.12]
+    counts = [100, 19, 19, 19]
+    steps = np.concatenate(
+        [[0.0]] + [a + (b - a) * np.arange(1, n + 1) / n
+                   for a, b, n in zip(corners, corners[1:], counts, strict=False)]
+    )  # fmt: skip
+    still = np.zeros(len(steps))
+    t = np.arange(len(steps), dtype=float)
+    m = Motion(steps, t, np.zeros(len(t), dtype=int), kinetics=Kinetics(still, still, still))
+    friction = Piece(term("coulomb_friction"), np.array([10.0, 0.01]))
+    force = Mechanism(pieces=(friction,)).respond(m)[0]
+    assert force[100 + 38] == pytest.approx(force[100], abs=1e-9)
+    assert force[100 + 19] < force[100] - 1.0
+
+
+def test_stribeck_is_gone_at_speed_and_whole_at_rest():
+    m = swing()
+    force = answer("stribeck_friction", "", [5.0, 0.05, 1e-5], m)
+    v = m.kinetics.velocity
+    expected = 5.0 * np.sign(v) * np.exp(-((v / 0.05) ** 2))
+    away = np.abs(v) > 0.02
+    np.testing.assert_allclose(force[away], expected[away], atol=0.05)
+    assert np.max(np.abs(force[np.abs(v) > 0.3])) < 1e-12
+
+
+@pytest.mark.parametrize("physics", OWN, ids=lambda t: f"{t.name}-{t.form}")
+def test_every_force_has_bounds_words_a_source_and_memory(physics):
+    m = swing()
+    values = values_of(physics, AROUND, {})
+    assert "{" not in physics.sentence(values, AROUND)
+    assert "Source" in type(physics).__doc__
+    mechanism = Mechanism(pieces=(Piece(physics, values),))
+    whole = mechanism.respond(m)[0]
+    assert np.std(whole) > 1e-3
+    parts, state = [], None
+    for part in (slice(0, 1), slice(1, 1370), slice(1370, None)):
+        force, state = mechanism.respond(m.rows(part), state)
+        parts.append(force)
+    np.testing.assert_allclose(np.concatenate(parts), whole, atol=1e-9)
+
+
+def test_units_come_from_the_channels():
+    units = {t.name: t.parameters(AROUND)[0].unit for t in OWN}
+    assert units["inertia"] == "kg"
+    assert units["viscous_friction"] == "N s/m"
+    turning = replace(AROUND, drive_unit="rad", angle_unit="Nm")
+    assert term("inertia").parameters(turning)[0].unit == "kg m^2"
+    assert term("stiffness").parameters(replace(AROUND, angle_unit="V"))[0].unit == "V/m"
+
+
+def test_the_gain_scales_the_simulation_alone():
+    m = swing()
+    pieces = (Piece(term("viscous_friction"), np.array([3.0])),)
+    force = Mechanism(pieces=pieces, gain=2.0, offset=1.0).respond(m)[0]
+    np.testing.assert_allclose(force, 2.0 * 3.0 + 1.0 + 3.0 * m.kinetics.velocity, atol=1e-12)
+
+
+def test_a_force_term_of_an_angle_is_refused():
+    m = replace(swing(), kinetics=None)
+    with pytest.raises(TermError, match="'inertia': expected a force measured against a position"):
+        Mechanism(pieces=(Piece(term("inertia"), np.array([1.0])),)).respond(m)
+
+
+def test_derivatives_give_back_the_force_that_a_mass_and_a_damper_need():
+    m = swing()
+    found = differentiate(m.time_s, m.drive)
+    force = 5.0 * found.acceleration + 3.0 * found.velocity
+    true = 5.0 * m.kinetics.acceleration + 3.0 * m.kinetics.velocity
+    assert np.max(np.abs(force - true)[found.known]) < 1e-3 * np.max(np.abs(true))
