@@ -91,7 +91,9 @@ _CONTRACTS: dict[str, Contract] = {
         ANGLES,
     ),
     "prediction": Contract(
-        f"{_RUNNERS}diagnosis:run_prediction", ("recording", "model"), ("predictions.csv",)
+        f"{_RUNNERS}diagnosis:run_prediction",
+        ("recording", "model", "simulation", "diagnosis.cutoff_hz"),
+        ("predictions.csv",),
     ),
     "review": Contract(
         f"{_RUNNERS}review:run_review",
