@@ -1,7 +1,7 @@
 """npy and npz files, and folders of npy files: one table, a column for each column of an array."""
 
-import zipfile
-import zlib
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -9,9 +9,7 @@ import numpy as np
 from pipeline.config_importing import ReadingConfig
 from pipeline.errors import refusal
 from pipeline.foreign.flatten import flatten
-from pipeline.foreign.table import ForeignFileError, ForeignTable
-
-BROKEN = (OSError, EOFError, ValueError, zipfile.BadZipFile, zlib.error)
+from pipeline.foreign.table import ForeignFileError, ForeignTable, parsing
 
 
 def read_npy(path: Path, _reading: ReadingConfig) -> ForeignTable:
@@ -21,13 +19,8 @@ def read_npy(path: Path, _reading: ReadingConfig) -> ForeignTable:
 
 def read_npz(path: Path, _reading: ReadingConfig) -> ForeignTable:
     """Several arrays: `name` is a vector, `name.2` the third column of a matrix."""
-    try:
-        with np.load(path, allow_pickle=False) as archive:
-            if isinstance(archive, np.ndarray):
-                return _table(path, {"": archive})
-            return _table(path, {name: archive[name] for name in archive.files})
-    except BROKEN as error:
-        raise _refuse(path, error) from error
+    with _parsing(path), np.load(path, allow_pickle=False) as archive:
+        return _table(path, {name: archive[name] for name in archive.files})
 
 
 def read_folder(path: Path, _reading: ReadingConfig) -> ForeignTable:
@@ -50,20 +43,20 @@ def _table(path: Path, arrays: dict[str, np.ndarray]) -> ForeignTable:
 
 
 def _load(path: Path) -> np.ndarray:
-    try:
-        with path.open("rb") as file:
-            return np.lib.format.read_array(file, allow_pickle=False)
-    except BROKEN as error:
-        raise _refuse(path, error) from error
+    with _parsing(path), path.open("rb") as file:
+        return np.lib.format.read_array(file, allow_pickle=False)
 
 
-def _refuse(where: object, error: Exception) -> ForeignFileError:
-    if "pickle" in str(error):
-        return ForeignFileError(
-            refusal(str(where), "an array of numbers", "Python objects (a pickle), which could run "
-                    "anything when loaded", "Save the numbers alone: np.save(FILE, "
-                    "array.astype(float)).")
-        )  # fmt: skip
-    return ForeignFileError(
-        refusal(str(where), "a whole NumPy file", str(error) or "nothing", "Save or copy it anew.")
-    )
+@contextmanager
+def _parsing(path: Path) -> Iterator[None]:
+    with parsing(str(path), "a whole NumPy file", "Save or copy it anew."):
+        try:
+            yield
+        except ValueError as error:
+            if "allow_pickle=False" not in str(error):
+                raise
+            raise ForeignFileError(
+                refusal(str(path), "an array of numbers", "Python objects (a pickle), which could "
+                        "run anything when loaded", "Save the numbers alone: np.save(FILE, "
+                        "array.astype(float)).")
+            ) from error  # fmt: skip

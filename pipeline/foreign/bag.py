@@ -4,10 +4,9 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import fields, is_dataclass
 from pathlib import Path
-from sqlite3 import DatabaseError
 
 import numpy as np
-from rosbags.highlevel import AnyReader, AnyReaderError
+from rosbags.highlevel import AnyReader
 from rosbags.interfaces import Connection
 from rosbags.typesys import Stores, get_typestore
 from tqdm import tqdm
@@ -16,12 +15,11 @@ from pipeline.config_importing import ReadingConfig
 from pipeline.errors import UsageError, refusal
 from pipeline.foreign.images import IMAGES, encoded
 from pipeline.foreign.rows import LONGEST, Columns
-from pipeline.foreign.table import ForeignFileError, ForeignTable, suggestion
+from pipeline.foreign.table import ForeignFileError, ForeignTable, parsing, suggestion
 
 LOG_TIME = "log_time"
 JOINT_STATE = "sensor_msgs/msg/JointState"
 JOINT_FIELDS = ("position", "velocity", "effort")
-BROKEN = (AnyReaderError, DatabaseError, OSError, ValueError, AssertionError, KeyError, IndexError)
 
 
 def read_bag(path: Path, reading: ReadingConfig) -> ForeignTable:
@@ -49,17 +47,13 @@ def read_bag(path: Path, reading: ReadingConfig) -> ForeignTable:
 
 @contextmanager
 def _opened(path: Path) -> Iterator[AnyReader]:
-    try:
-        with AnyReader([path], default_typestore=get_typestore(Stores.ROS2_HUMBLE)) as bag:
-            yield bag
-    except BROKEN as error:
-        if isinstance(error, OSError) and error.filename is None and not path.exists():
-            raise
-        raise ForeignFileError(
-            refusal(str(path), "a whole bag: ROS 1 (.bag), or ROS 2 (.mcap, .db3 or the folder "
-                    "with metadata.yaml)", str(error) or type(error).__name__,
-                    "Point `file` at the bag; mend it with `rosbag reindex` or `ros2 bag reindex`.")
-        ) from error  # fmt: skip
+    expected = "a whole bag: ROS 1 (.bag), or ROS 2 (.mcap, .db3 or the folder with metadata.yaml)"
+    remedy = "Point `file` at the bag; mend it with `rosbag reindex` or `ros2 bag reindex`."
+    with (
+        parsing(str(path), expected, remedy),
+        AnyReader([path], default_typestore=get_typestore(Stores.ROS2_HUMBLE)) as bag,
+    ):
+        yield bag
 
 
 def _connections(path: Path, bag: AnyReader, topic: str | None) -> list[Connection]:

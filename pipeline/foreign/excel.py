@@ -1,19 +1,14 @@
 """Sheets of xlsx workbooks, as they were last calculated."""
 
-import zipfile
 from pathlib import Path
-from xml.etree.ElementTree import ParseError
 
 import numpy as np
 from openpyxl import load_workbook
-from openpyxl.utils.exceptions import InvalidFileException
 
 from pipeline.config_importing import ReadingConfig
 from pipeline.errors import UsageError, refusal
 from pipeline.foreign.headers import heads_columns, named_columns, repeated_names
-from pipeline.foreign.table import ForeignFileError, ForeignTable
-
-BROKEN = (OSError, EOFError, KeyError, ValueError, zipfile.BadZipFile, ParseError)
+from pipeline.foreign.table import ForeignFileError, ForeignTable, parsing
 
 
 def read_xlsx(path: Path, reading: ReadingConfig) -> ForeignTable:
@@ -43,7 +38,7 @@ def _rows(
     path: Path, reading: ReadingConfig, calculated: bool
 ) -> tuple[str, list[tuple[int, tuple[object, ...]]]]:
     """The sheet's name and its rows that are not blank, with their numbers, all equally wide."""
-    try:
+    with parsing(str(path), "a whole xlsx workbook", "Save or copy it anew."):
         book = load_workbook(path, read_only=True, data_only=calculated)
         name = _sheet(path, reading.sheet, book.sheetnames)
         rows = [
@@ -52,10 +47,6 @@ def _rows(
             if number > reading.skip_rows and any(value is not None for value in row)
         ]
         book.close()
-    except (*BROKEN, InvalidFileException) as error:
-        raise ForeignFileError(
-            refusal(str(path), "a whole xlsx workbook", str(error), "Save or copy it anew.")
-        ) from error
     width = max((len(row) for _, row in rows), default=0)
     return name, [(number, (*row, *[None] * (width - len(row)))) for number, row in rows]
 

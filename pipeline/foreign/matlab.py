@@ -7,15 +7,15 @@ import numpy as np
 from scipy.io import loadmat
 
 from pipeline.config_importing import ReadingConfig
-from pipeline.errors import refusal
 from pipeline.foreign.flatten import flatten
 from pipeline.foreign.root import below
-from pipeline.foreign.table import ForeignFileError, ForeignTable
+from pipeline.foreign.table import ForeignTable, parsing
 
 
 def read_mat(path: Path, reading: ReadingConfig) -> ForeignTable:
     """All variables; `log.joint.2` is the third column of the field `joint` of the struct `log`."""
-    content = _read_hdf5(path) if h5py.is_hdf5(path) else _read_v5(path)
+    with parsing(str(path), "a whole MATLAB file", "Save it anew (in MATLAB: save FILE -v7)."):
+        content = _read_hdf5(path) if h5py.is_hdf5(path) else _read_v5(path)
     columns: dict[str, np.ndarray] = {}
     rest: dict[str, str] = {}
     flatten("", below(str(path), content, reading.root), columns, rest)
@@ -23,19 +23,13 @@ def read_mat(path: Path, reading: ReadingConfig) -> ForeignTable:
 
 
 def _read_v5(path: Path) -> dict[str, object]:
-    try:
-        content = loadmat(path, simplify_cells=True)
-    except Exception as error:  # SciPy lets through whatever a broken file makes its parser raise
-        raise _refuse(path, error) from error
+    content = loadmat(path, simplify_cells=True)
     return {name: value for name, value in content.items() if not name.startswith("__")}
 
 
 def _read_hdf5(path: Path) -> dict[str, object]:
-    try:
-        with h5py.File(path, "r") as file:
-            return _group(file)
-    except (OSError, RuntimeError, KeyError) as error:
-        raise _refuse(path, error) from error
+    with h5py.File(path, "r") as file:
+        return _group(file)
 
 
 def _group(group: h5py.Group) -> dict[str, object]:
@@ -52,10 +46,3 @@ def _group(group: h5py.Group) -> dict[str, object]:
             value = np.zeros(0) if is_empty else np.asarray(item[()]).T
             content[name] = "text or cells" if is_text else value
     return content
-
-
-def _refuse(path: Path, error: Exception) -> ForeignFileError:
-    return ForeignFileError(
-        refusal(str(path), "a whole MATLAB file", str(error) or type(error).__name__,
-                "Save or copy it anew (in MATLAB: save FILE -v7).")
-    )  # fmt: skip

@@ -2,6 +2,7 @@
 
 import difflib
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -19,6 +20,18 @@ class ForeignFileError(LoopgapError):
 def row_from_zero(row: int) -> str:
     """How a row is called where the format itself has no line numbers."""
     return f"row {row} (from 0)"
+
+
+@contextmanager
+def parsing(where: str, expected: str, remedy: str) -> Iterator[None]:
+    """Refuse a file whose parser fails within: on broken files parsers raise whatever comes up."""
+    try:
+        yield
+    except LoopgapError:
+        raise
+    except Exception as error:
+        found = str(error).strip() or type(error).__name__
+        raise ForeignFileError(refusal(where, expected, found, remedy)) from error
 
 
 @dataclass(frozen=True)

@@ -1,5 +1,6 @@
 """One table, written by each format's own library, comes in the same from all of them."""
 
+import contextlib
 import json
 from collections.abc import Callable
 from pathlib import Path
@@ -220,6 +221,21 @@ def test_a_file_that_cannot_be_used_says_why_and_what_to_do(name, write, words, 
     write(path)
     with pytest.raises(LoopgapError, match=words):
         import_from(path, mapping(reading={"comment": "#"} if name == "text.csv" else {}))
+
+
+@pytest.mark.parametrize(("name", "write"), [w[:2] for w in WRITERS], ids=[w[0] for w in WRITERS])
+def test_a_damaged_file_is_read_or_refused_but_never_a_crash(name, write, tmp_path):
+    path = tmp_path / name
+    write(path)
+    file = path if path.is_file() else path / "both.npy"
+    whole = file.read_bytes()
+    random = np.random.default_rng(len(whole))
+    for damaged in range(4):
+        data = np.frombuffer(whole, np.uint8).copy()
+        data[random.integers(0, len(data), 20)] = random.integers(0, 256, 20)
+        file.write_bytes(data[: random.integers(1, len(data))] if damaged == 0 else data)
+        with contextlib.suppress(LoopgapError):
+            import_from(path, mapping())
 
 
 def test_a_variable_that_is_no_column_says_what_it_is(tmp_path):
