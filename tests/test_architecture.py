@@ -54,6 +54,9 @@ def test_imports_go_one_way():
             "matplotlib",
             {f"pipeline/tracking/{n}figures.py" for n in ("", "diagnosis_", "benchmark_")},
         ),
+        ("rosbags", {"pipeline/foreign/bag.py"}),
+        ("openpyxl", {"pipeline/foreign/excel.py"}),
+        ("h5py", {"pipeline/foreign/matlab.py"}),
         ("serial", {"pipeline/hardware/epos2_line.py"}),
         (
             "hydra",
