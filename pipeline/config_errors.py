@@ -16,6 +16,9 @@ def explain(error: BaseException) -> str:
     override = getattr(error, "override", None)
     where = f"configuration, {override!r}" if override else "configuration"
     message = f"{where}: {_without_schemas(str(error).strip())}"
+    extra = re.search(r"Could not find 'hydra/launcher/(?:submitit_)?(slurm|ray)'", message)
+    if extra:
+        message += f"\nIt comes with an extra: pip install 'loopgap[{extra.group(1)}]'."
     if str(text).splitlines()[0] not in message:
         message += f"\n{text}"
     return message if key is None else f"{message}\n{_what_it_may_be(key)}"

@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import time
+from importlib.util import find_spec
 from pathlib import Path
 
 import pandas as pd
@@ -143,6 +144,13 @@ def test_wrong_configuration_names_the_key_and_what_it_may_be(
 ):
     assert loopgap(monkeypatch, argument, f"hydra.run.dir={tmp_path}") == 2
     assert words in capsys.readouterr().err
+
+
+@pytest.mark.skipif(find_spec("ray") is not None, reason="Ray is installed")
+def test_a_launcher_that_is_not_installed_says_how_to_come_by_it(tmp_path, monkeypatch, capsys):
+    arguments = ["-m", "hydra/launcher=ray", "stages=[]", f"hydra.sweep.dir={tmp_path}"]
+    assert loopgap(monkeypatch, *arguments) == 2
+    assert "pip install 'loopgap[ray]'" in capsys.readouterr().err
 
 
 def test_output_folder_that_cannot_be_made(tmp_path, monkeypatch, capsys):
