@@ -9,7 +9,7 @@ from pipeline.discrepancy.choose import Choice
 from pipeline.discrepancy.explain import Explanation, explain, not_excited
 from pipeline.discrepancy.fit import evaluate, improve
 from pipeline.discrepancy.force_problem import averaged
-from pipeline.discrepancy.intervals import covariance_of, estimates
+from pipeline.discrepancy.intervals import covariance_of, estimates, moment_interval
 from pipeline.discrepancy.mistaken import mistaken_frames
 from pipeline.discrepancy.model import CorrectedModel
 from pipeline.discrepancy.outliers import isolated
@@ -24,7 +24,15 @@ from pipeline.discrepancy.result import (
     Unexplained,
 )
 from pipeline.discrepancy.ties import Standing, by_names, standing, weights_of
-from pipeline.discrepancy.verdict import Structure, beyond_tolerance, fewer, follows, structure_of
+from pipeline.discrepancy.verdict import (
+    FAR,
+    Structure,
+    absurd_calibration,
+    fewer,
+    follows,
+    intolerable,
+    structure_of,
+)
 from pipeline.physics.catalogue import term
 from pipeline.physics.differentiation import Derivatives
 from pipeline.physics.mechanism import Mechanism
@@ -32,6 +40,7 @@ from pipeline.recording import Recording
 
 RIVALS = 6
 RIVAL_GAP = 14.0
+SUREST = 0.98
 TWICE, HALF = 2.0, 0.5
 HELDOUT = "on held-out samples, which the fit to the others does not predict"
 
@@ -44,21 +53,21 @@ def diagnose_measurement(
     explanation = explain(small)
     best = explanation.choices[0]
     structure = structure_of(explanation, best)
+    absurd = absurd_calibration(best)
     if not follows(explanation, best):
         structure = replace(structure, found=True, where="everywhere")
         best = next(c for c in explanation.choices if not c.fit.pieces)
-    elif structure.found:
+    elif absurd is not None:
+        structure = replace(structure, found=True, where=absurd)
+    elif not structure.found and refuted(problem, best, explanation.prior.finest):
+        structure = replace(structure, found=True, where=HELDOUT)
+    if structure.found:
         best = fewer(explanation, best)
-    intolerable = beyond_tolerance(best)
-    if intolerable is not None:
-        structure = replace(structure, found=True, where=intolerable)
     model = model_of(measurement, problem, best)
     evidence = evidence_of(recording, measurement, problem, explanation, best, model)
     physics = named_physics(explanation, best, evidence, structure)
     noise = best.fit.ground.noise
     before, after = errors(evidence, evidence.before), errors(evidence, evidence.after)
-    if not structure.found and unproven(before, after, noise.deviation):
-        structure = Structure(True, HELDOUT, structure.share, structure.p_value)
     verdict = verdict_of(explanation, best, physics, structure)
     diagnosis = Diagnosis(
         measurement=measurement,
@@ -73,7 +82,7 @@ def diagnose_measurement(
         unexplained=Unexplained(structure.share, structure.p_value, structure.where),
         not_excited=not_excited(problem),
         next_experiment=None,
-        notes=notes(problem, explanation, evidence, every),
+        notes=notes(problem, explanation, best, evidence, every),
     )
     return diagnosis, evidence, model
 
@@ -85,13 +94,29 @@ def reduced(problem: Problem) -> tuple[Problem, int]:
     return averaged(problem, problem.derivatives)
 
 
-def unproven(before: Errors, after: Errors, noise: float) -> bool:
+def refuted(problem: Problem, choice: Choice, finest: float) -> bool:
     """Whether the held-out rows refute what the training rows seemed to say.
 
-    They do where the error there is both over twice the noise and over half of what it was before.
+    They do where the error there is over twice that on training rows and half of what it was
+    before. Lone rows, and those between which a slip may lie, are not counted.
     """
-    left = after.heldout_rmse
-    return left > TWICE * noise and left > HALF * before.heldout_rmse
+    off = problem.measured - mechanism_of(problem, choice).respond(problem.motion)[0]
+    counted = ~isolated(off, problem.train, finest) & ~undated(problem, choice)
+    train, heldout = problem.train & counted, problem.heldout & counted
+    before = (problem.measured - problem.simulated)[heldout]
+    left = root_mean(off[heldout] ** 2)
+    return left > TWICE * root_mean(off[train] ** 2) and left > HALF * root_mean(before**2)
+
+
+def undated(problem: Problem, choice: Choice) -> np.ndarray:
+    """Rows (n,) at which a fitted slip may or may not have happened."""
+    time_s = problem.motion.time_s
+    out = np.zeros(len(time_s), dtype=bool)
+    for k, piece in enumerate(choice.fit.pieces):
+        if any(p.stepwise for p in piece.term.parameters(problem.around)):
+            low, high = moment_interval(choice.fit, k)
+            out |= (time_s > low) & (time_s < high)
+    return out
 
 
 def mechanism_of(problem: Problem, choice: Choice) -> Mechanism:
@@ -186,7 +211,7 @@ def named_physics(
         out[name] = NamedPhysics(
             name=name,
             site=piece.term.site,
-            probability=min(probability, 0.99),
+            probability=min(probability, SUREST),
             parameters=own,
             heldout_rmse_without=error_without(best, name, evidence),
             alternatives=stands.alternatives,
@@ -238,10 +263,16 @@ def _standing_of(name: str, explanation: Explanation, best: Choice) -> Standing:
 
 
 def notes(
-    problem: Problem, explanation: Explanation, evidence: Evidence, every: int
+    problem: Problem, explanation: Explanation, best: Choice, evidence: Evidence, every: int
 ) -> tuple[str, ...]:
     """What was left out or assumed, with its count."""
     out = []
+    if intolerable(best):
+        gain, offset = best.fit.nuisance[:2]
+        out.append(
+            f"The calibration (gain {gain:.3g}, offset {offset:.3g} {problem.around.angle_unit}) "
+            f"is more than {FAR:.0f} tolerances off: check it, or declare `diagnosis.tolerance`."
+        )
     missing = int((~np.isfinite(problem.measured)).sum())
     if missing:
         out.append(f"{missing} of {len(problem.measured)} samples were not measured.")

@@ -133,7 +133,7 @@ def pose_problem(
     heldout = held_out_rows(config.heldout, motion, known)
     train = known & ~heldout
     refuse_unfit(config.heldout, measurement, train, known & heldout)
-    around = surroundings_of(recording, measurement, motion, simulated, drive, static)
+    around = surroundings_of(recording, measurement, motion, simulated, drive, static, train)
     return Problem(
         motion, curve, measured, simulated, train, known & heldout, around, config.tolerance,
         drive, static,
@@ -275,15 +275,17 @@ def surroundings_of(
     simulated: np.ndarray,
     drive: str,
     static: bool,
+    train: np.ndarray,
 ) -> Surroundings:
-    """The sizes that bound the terms' parameters."""
+    """The sizes that bound the terms' parameters; as measured where the simulation stands still."""
     steps = np.abs(np.diff(motion.drive))
     unit = recording.channel(measurement).unit
     known = simulated[np.isfinite(simulated)]
+    span = float(np.ptp(known)) or float(np.ptp(recording.values(measurement)[train]))
     return Surroundings(
         drive_span=float(np.ptp(motion.drive)),
         drive_low=float(np.min(motion.drive)),
-        angle_span=max(float(np.ptp(known)), 1e-9),
+        angle_span=max(span, 1e-9),
         angle_low=float(np.min(known)),
         step=float(np.median(steps[steps > 0])) if np.any(steps > 0) else 0.0,
         dwell_s=float(np.median(np.diff(motion.time_s))),

@@ -6,6 +6,8 @@ import numpy as np
 from scipy.stats import chi2
 
 from pipeline.discrepancy.choose import Choice
+from pipeline.discrepancy.fit import Fit, evaluate
+from pipeline.discrepancy.noise import NoiseModel
 from pipeline.discrepancy.noise_family import NoiseFamily
 from pipeline.discrepancy.problem import Problem
 from pipeline.recording import branch_of, reversals_of
@@ -18,7 +20,8 @@ STIFFENING = 1e-3
 class Rest:
     """What one family of curves finds: fall of the cost, its degrees of freedom, and its size.
 
-    size: root mean square [measurement's unit] of the structure beyond what noise would give.
+    size: root mean square [measurement's unit] of the structure, were the noise white, beyond what
+    chance gives.
     """
 
     where: str
@@ -29,41 +32,52 @@ class Rest:
 
 
 def structured_rest(choice: Choice, family: NoiseFamily) -> list[Rest]:
-    """What each family of flexible curves finds in a choice's residual, the surest first."""
+    """What each family of flexible curves finds in a choice's residual, the surest first.
+
+    Calibration, terms (to first order) and noise are refitted beside the curves.
+    """
     fit = choice.fit
     problem, ground = fit.ground.problem, fit.ground
     residual = np.where(ground.used, problem.measured - fit.predicted, 0.0)
     cost = family.weigh(choice.place, residual)[0]
+    taken = followed(fit)
     out = []
     for where, columns in curves(problem).items():
-        rest, freedom = _without(residual, columns, choice, fit.basis)
-        place = choice.place
-        place = family.pick(rest, place)[1]
-        better = family.weigh(place, np.where(ground.used, rest, 0.0))[0]
+        rest, freedom = _without(residual, columns, choice, taken)
+        place = family.pick(rest, choice.place)[1]
+        better = family.weigh(place, rest)[0]
         gain = max(cost - better, 0.0)
-        n = int(ground.used.sum())
-        before = float(np.mean(residual[ground.used] ** 2))
-        after = float(np.mean(rest[ground.used] ** 2)) * n / max(n - freedom, 1)
-        size = float(np.sqrt(max(before - after, 0.0)))
+        count = ground.count / ground.noise.spell
+        size = ground.noise.deviation * float(np.sqrt(max(gain - freedom, 0.0) / count))
         out.append(Rest(where, gain, freedom, float(chi2.sf(gain, freedom)), size))
     return sorted(out, key=lambda r: r.p_value)
+
+
+def followed(fit: Fit) -> np.ndarray:
+    """Orthonormal columns of all that calibration and terms can follow, (n, m), not whitened."""
+    ground = fit.ground
+    plain = evaluate(ground.with_noise(NoiseModel(1.0)), fit.pieces)
+    out = np.zeros((len(ground.used), plain.basis.shape[1]))
+    out[ground.used] = plain.basis
+    return out
 
 
 def _without(
     residual: np.ndarray, columns: np.ndarray, choice: Choice, taken: np.ndarray
 ) -> tuple[np.ndarray, int]:
-    """The residual less what the columns explain beside the fit's own slopes, and how many do."""
+    """The residual less what the columns explain beside those taken, and how many do."""
     ground = choice.fit.ground
-    white = ground.whiten(np.where(ground.used[:, None], columns, 0.0))
-    free = white - taken @ (taken.T @ white)
+    columns = np.where(ground.used[:, None], columns, 0.0)
+    white, own = ground.whiten(columns), np.linalg.pinv(ground.whiten(taken))
+    columns = columns - taken @ (own @ white)
+    free = ground.whiten(columns)
     size = np.sqrt(np.einsum("ij,ij->j", free, free))
     keep = size > 1e-6 * max(float(size.max(initial=0.0)), 1e-12)
     free, columns = free[:, keep], columns[:, keep]
     normal = free.T @ free
     normal += STIFFENING * np.trace(normal) / max(len(normal), 1) * np.eye(len(normal))
     weights = np.linalg.solve(normal, free.T @ choice.fit.innovations)
-    used = choice.fit.ground.used
-    return residual - np.where(used, columns @ weights, 0.0), int(keep.sum())
+    return residual - columns @ weights, int(keep.sum())
 
 
 def curves(problem: Problem) -> dict[str, np.ndarray]:
@@ -78,9 +92,16 @@ def curves(problem: Problem) -> dict[str, np.ndarray]:
         out["the command and its direction"] = np.column_stack([fine * w[:, None] for w in ways])
         coarse = hats(drive, COARSE)
         numbers = np.unique(cycle[problem.train])
+        if len(numbers) > 3:
+            odd = (cycle % 2 == 1)[:, None]
+            out["every other cycle"] = np.column_stack([fine * (w[:, None] & odd) for w in ways])
         if 1 < len(numbers) <= 20:
             out["the cycle"] = np.column_stack(
                 [coarse * (w & (cycle == c))[:, None] for c in numbers for w in ways]
+            )
+            size = np.column_stack([drive, np.ones(len(drive))])
+            out["the gain in each cycle"] = np.column_stack(
+                [size * (cycle == c)[:, None] for c in numbers]
             )
         travel = travelled(drive)
         out["the travel since the last reversal"] = np.column_stack(

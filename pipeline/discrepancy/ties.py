@@ -50,7 +50,7 @@ def standing(name: str, best: Choice, choices: list[Choice], problem: Problem) -
         if rest <= names(choice) and len(other) == 1 and name not in other and grows(choice):
             gaps.setdefault(next(iter(other)), choice.score - best.score)
     tied = [n for n, gap in gaps.items() if gap < TIE]
-    known = [n for n in equivalents(name, problem, best) if n not in names(best) | set(tied)]
+    known = [n for n in equivalents(name, problem) if n not in names(best) | set(tied)]
     return Standing(probability, tuple(sorted(tied) + known), bool(tied))
 
 
@@ -78,7 +78,7 @@ def by_names(choices: list[Choice]) -> list[Choice]:
     return list(found.values())
 
 
-def equivalents(name: str, problem: Problem, best: Choice) -> list[str]:
+def equivalents(name: str, problem: Problem) -> list[str]:
     """Names that are known to give the same data as `name` under such commands.
 
     What bends one static curve is one family in any data; loops that come from lateness need

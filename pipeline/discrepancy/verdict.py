@@ -3,24 +3,18 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.stats import kurtosis, norm, skew
 
 from pipeline.discrepancy.choose import Choice
 from pipeline.discrepancy.explain import Explanation
 from pipeline.discrepancy.fit import evaluate, improve
-from pipeline.discrepancy.rest import Rest, structured_rest
-from pipeline.recording import branch_of
+from pipeline.discrepancy.rest import structured_rest
 
-SURE, CERTAIN = 5.5, 9.0
+CHANCE = 1e-5
 SMALLEST_SIZE = 0.2
-HEAVY, LIGHT, LOPSIDED, UNEVEN = 1.5, -0.45, 0.45, 40.0
 SLOW, SLOW_SHARE = 0.87, 0.5
-SWOLLEN, STRAINED = 1.3, 8.0
 ENOUGH = 0.7
-CHANCE = 4.0  # deviations of what chance gives, which few samples exceed the limits with
-INTOLERABLE = 5.0
+ABSURD, FAR = 2.0, 5.0
 UNFOLLOWED = 0.7
-BINS = 8
 
 
 @dataclass(frozen=True)
@@ -33,15 +27,26 @@ class Structure:
     p_value: float
 
 
-def beyond_tolerance(choice: Choice) -> str | None:
-    """Which part of the calibration is so far off that it can be no calibration, in words."""
-    ground, nuisance = choice.fit.ground, choice.fit.nuisance
-    off = np.abs(nuisance - ground.nuisances.expected) / ground.nuisances.deviations
-    if off[0] > INTOLERABLE:
-        return f"the gain, which is {nuisance[0]:.3g}"
-    if off[1] > INTOLERABLE:
-        return f"the offset, which is {nuisance[1]:.3g} {ground.problem.around.angle_unit}"
+def absurd_calibration(choice: Choice) -> str | None:
+    """Which part of the calibration no calibration can be, in words.
+
+    A gain that is off by a factor of two, or turned round, speaks of units or wiring; an offset
+    beyond all that the simulation moves, too.
+    """
+    around = choice.fit.ground.problem.around
+    gain, offset = choice.fit.nuisance[:2]
+    if not 1.0 / ABSURD < gain < ABSURD:
+        return f"the gain, which is {gain:.3g}"
+    if abs(offset) > max(around.angle_span, FAR * choice.fit.ground.nuisances.deviations[1]):
+        return f"the offset, which is {offset:.3g} {around.angle_unit}"
     return None
+
+
+def intolerable(choice: Choice) -> bool:
+    """Whether gain or offset is off by more than FAR of its declared tolerances."""
+    nuisances = choice.fit.ground.nuisances
+    off = np.abs(choice.fit.nuisance - nuisances.expected) / nuisances.deviations
+    return bool(np.any(off[:2] > FAR))
 
 
 def follows(explanation: Explanation, choice: Choice) -> bool:
@@ -57,78 +62,29 @@ def follows(explanation: Explanation, choice: Choice) -> bool:
 def structure_of(explanation: Explanation, choice: Choice) -> Structure:
     """What is still structured in the residual of a choice, on training rows.
 
-    It shows in flexible curves of what was commanded, in innovations that are no Gaussian noise
-    (their tails, their lean with the direction, their size along the command), in noise that is
-    much larger than repeats differ, or in noise that varies as slowly as physics does.
+    It shows in flexible curves of what was commanded that chance does not explain (likelihood
+    ratio, Bonferroni over the families of curves), or in noise that varies as slowly as physics
+    does. What is surely there but much smaller than the noise is the form of a term, no physics.
     """
-    rests = structured_rest(choice, explanation.search.family)
     noise = choice.fit.ground.noise
-    large = SMALLEST_SIZE * noise.deviation
-    certain = [r for r in rests if sureness(r) > CERTAIN or (sureness(r) > SURE and r.size > large)]
-    signs = odd_signs(explanation, choice)
     if noise.deviation <= 2.0 * explanation.prior.finest:
         return Structure(False, None, 0.0, 1.0)
-    where = certain[0].where if certain else next(iter(signs), None)
-    size = max([r.size for r in certain], default=0.0)
-    if signs:
-        size = max(size, excess_size(explanation, choice))
+    rests = structured_rest(choice, explanation.search.family)
     p_value = min(min((r.p_value for r in rests), default=1.0) * len(rests), 1.0)
-    if signs:
-        p_value = min(p_value, float(2.0 * norm.sf(SURE)))
+    large = [r for r in rests if r.size > SMALLEST_SIZE * noise.deviation]
+    sure = [r for r in large if r.p_value * len(rests) < CHANCE]
+    where = sure[0].where if sure else None
+    size = max((r.size for r in sure), default=0.0)
+    if where is None and noise.correlation > SLOW and slow_share(choice) > SLOW_SHARE:
+        where, size, p_value = "slow changes", noise.correlated, min(p_value, CHANCE)
     share = min(size**2 / mismatch_variance(explanation), 1.0)
     return Structure(where is not None, where, share, p_value)
 
 
-def sureness(rest: Rest) -> float:
-    """Gain beyond what chance gives, in its deviations."""
-    return (rest.gain - rest.freedom) / np.sqrt(2.0 * rest.freedom)
-
-
-def odd_signs(explanation: Explanation, choice: Choice) -> dict[str, float]:
-    """What about the innovations no noise of ours would show, with its size."""
-    fit = choice.fit
-    apart = slice(None, None, int(fit.ground.noise.spell))
-    drive = explanation.problem.motion.drive
-    used = np.flatnonzero(fit.ground.used)[apart]
-    e, direction = fit.innovations[apart], branch_of(drive)[used]
-    noise, learnt = fit.ground.noise, explanation.prior.model.deviation
-    tails = float(kurtosis(e))
-    heavy, lopsided = CHANCE * np.sqrt(24.0 / len(e)), CHANCE * np.sqrt(6.0 / len(e))
-    out: dict[str, float] = {}
-    if tails > max(HEAVY, heavy) or tails < min(LIGHT, -heavy):
-        out["single samples"] = tails
-    if abs(float(skew(e * direction))) > max(LOPSIDED, lopsided):
-        out["the direction"] = float(skew(e * direction))
-    if np.ptp(drive) > 0 and unevenness(e, drive[used], direction) > UNEVEN:
-        out["the command"] = UNEVEN
-    share = noise.correlated**2 / noise.deviation**2
-    if noise.correlation > SLOW and share > SLOW_SHARE:
-        out["slow changes"] = share
-    strained = explanation.search.family.strain[choice.place[0]] > STRAINED
-    if strained and noise.deviation > SWOLLEN * learnt and explanation.prior.repeats > 0:
-        out["every cycle alike"] = noise.deviation / learnt
-    return out
-
-
-def unevenness(e: np.ndarray, drive: np.ndarray, direction: np.ndarray) -> float:
-    """Chi-square of the innovations' mean size over bins of command and direction."""
-    size = np.abs(e) / np.mean(np.abs(e))
-    edges = np.quantile(drive, np.linspace(0, 1, BINS + 1)[1:-1])
-    place = 2 * np.digitize(drive, edges) + (direction > 0)
-    total = 0.0
-    for k in np.unique(place):
-        own = size[place == k]
-        total += (own.mean() - 1.0) ** 2 * len(own) / max(float(size.var()), 1e-12)
-    return total
-
-
-def excess_size(explanation: Explanation, choice: Choice) -> float:
-    """Root mean square of a residual beyond what is rough in it [measurement's unit]."""
-    problem = explanation.problem
-    residual = np.where(choice.fit.ground.used, problem.measured - choice.fit.predicted, np.nan)
-    bend = (residual[2:] - 2.0 * residual[1:-1] + residual[:-2]) / np.sqrt(6.0)
-    rough = 1.4826 * float(np.nanmedian(np.abs(bend)))
-    return float(np.sqrt(max(np.nanmean(residual**2) - rough**2, 0.0)))
+def slow_share(choice: Choice) -> float:
+    """Share of the noise's variance that is correlated from sample to sample."""
+    noise = choice.fit.ground.noise
+    return noise.correlated**2 / noise.deviation**2
 
 
 def mismatch_variance(explanation: Explanation) -> float:

@@ -1,22 +1,10 @@
 """Creep: part of the motion arrives late."""
 
 import numpy as np
-from numba import njit
 
 from pipeline.physics.balance import Load
 from pipeline.physics.motion import Motion
 from pipeline.physics.term import Parameter, Surroundings, Term
-
-
-@njit(cache=True)
-def lagged(signal: np.ndarray, decay: np.ndarray, start: float) -> np.ndarray:
-    """A first-order lag: what is left of the distance to each sample after its own dwell."""
-    out = np.empty(signal.size)
-    at = start
-    for i in range(signal.size):
-        at = signal[i] + (at - signal[i]) * decay[i]
-        out[i] = at
-    return out
 
 
 def dwells(motion: Motion, last_time: float) -> np.ndarray:
