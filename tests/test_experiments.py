@@ -1,6 +1,8 @@
 """Every study in conf/experiment runs at a small size."""
 
 import json
+import shlex
+import shutil
 import sys
 from pathlib import Path
 
@@ -92,3 +94,18 @@ def test_a_study_leaves_its_table(study, jobs, cells, kept_results, tmp_path, mo
     assert shown.loc[~trial, "mean"].notna().all()
     assert (shown.loc[~trial, "n"] == shown["n"].max()).all()
     assert collecting.run([str(tmp_path), "--check"]) == 0
+
+
+def test_the_command_that_is_told_repeats_just_what_is_missing(kept_results, tmp_path, monkeypatch):
+    study = ["experiment=splits", "split.index=0,3", "selection.k_max=2", *STUDY]
+    monkeypatch.setenv("LOOPGAP_CACHE", kept_results)
+    assert loopgap(monkeypatch, "-m", *study, f"hydra.sweep.dir={tmp_path}") == 0
+    files = ["results.parquet", *(f"tables/splits/table.{s}" for s in ("tex", "md", "csv"))]
+    whole = {name: (tmp_path / name).read_bytes() for name in files}
+    shutil.rmtree(tmp_path / "1")
+    assert collecting.run([str(tmp_path)]) == 1
+    assert {name: (tmp_path / name).read_bytes() for name in files} != whole
+    *_, command, collect = (tmp_path / "repeat.sh").read_text().splitlines()
+    assert loopgap(monkeypatch, *shlex.split(command)[1:]) == 0
+    assert collecting.run(shlex.split(collect)[1:]) == 0
+    assert {name: (tmp_path / name).read_bytes() for name in files} == whole

@@ -23,6 +23,7 @@ from pipeline.tracking.tables import ABSENT, latex_text, markdown
 TABLES = "tables"
 DIGIT_WORDS = ("Zero", "One", "Two", "Three", "Four", "Five", "Six", "Seven", "Eight", "Nine")
 LISTED_HASHES = 8
+LEAST_P = 0.0001
 
 
 @dataclass(frozen=True)
@@ -245,6 +246,8 @@ def _comparison_table(shown: Shown, tex: bool = False) -> pd.DataFrame:
 def _p(value: float, tex: bool) -> str:
     if pd.isna(value):
         return _said(ABSENT, tex)
+    if value < LEAST_P:
+        return f"$<$ {LEAST_P:g}" if tex else f"< {LEAST_P:g}"
     return f"{value:.2g}"
 
 
