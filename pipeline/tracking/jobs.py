@@ -82,8 +82,9 @@ def _read(folder: Path, plan: Plan | None) -> Job:
 
 
 def _planned(name: str, plan: Plan | None) -> list[str] | None:
-    known = plan is not None and name.isdecimal() and int(name) < len(plan.jobs)
-    return plan.jobs[int(name)] if plan is not None and known else None
+    if plan is None or not name.isdecimal() or int(name) >= len(plan.jobs):
+        return None
+    return plan.jobs[int(name)]
 
 
 def _given(folder: Path, settings_given: dict[str, str]) -> list[str]:
