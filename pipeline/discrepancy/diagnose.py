@@ -9,7 +9,7 @@ from pipeline.discrepancy.choose import Choice
 from pipeline.discrepancy.explain import Explanation, explain, not_excited
 from pipeline.discrepancy.fit import evaluate, improve
 from pipeline.discrepancy.force_problem import averaged
-from pipeline.discrepancy.intervals import covariance_of, estimates, moment_interval
+from pipeline.discrepancy.intervals import estimates, moment_interval, stated, wide_covariance
 from pipeline.discrepancy.mistaken import mistaken_frames
 from pipeline.discrepancy.model import CorrectedModel
 from pipeline.discrepancy.outliers import isolated
@@ -63,9 +63,10 @@ def diagnose_measurement(
         structure = replace(structure, found=True, where=HELDOUT)
     if structure.found:
         best = fewer(explanation, best)
-    model = model_of(measurement, problem, best)
+    covariance = wide_covariance(best.fit, best.place, explanation.search.family)
+    model = model_of(measurement, problem, best, covariance)
     evidence = evidence_of(recording, measurement, problem, explanation, best, model)
-    physics = named_physics(explanation, best, evidence, structure)
+    physics = named_physics(explanation, best, evidence, structure, covariance)
     noise = best.fit.ground.noise
     before, after = errors(evidence, evidence.before), errors(evidence, evidence.after)
     verdict = verdict_of(explanation, best, physics, structure)
@@ -131,7 +132,9 @@ def mechanism_of(problem: Problem, choice: Choice) -> Mechanism:
     )
 
 
-def model_of(measurement: str, problem: Problem, choice: Choice) -> CorrectedModel:
+def model_of(
+    measurement: str, problem: Problem, choice: Choice, covariance: np.ndarray
+) -> CorrectedModel:
     """What predicts the measurement from now on."""
     return CorrectedModel(
         measurement=measurement,
@@ -141,7 +144,7 @@ def model_of(measurement: str, problem: Problem, choice: Choice) -> CorrectedMod
         radian=problem.motion.radian,
         mechanism=mechanism_of(problem, choice),
         noise=choice.fit.ground.noise,
-        covariance=covariance_of(choice.fit),
+        covariance=covariance,
         force=problem.motion.kinetics is not None,
         simulated=problem.motion.kinetics is None or problem.around.simulated,
     )
@@ -196,12 +199,16 @@ def root_mean(square: np.ndarray) -> float:
 
 
 def named_physics(
-    explanation: Explanation, best: Choice, evidence: Evidence, structure: Structure
+    explanation: Explanation,
+    best: Choice,
+    evidence: Evidence,
+    structure: Structure,
+    covariance: np.ndarray,
 ) -> tuple[NamedPhysics, ...]:
     """Every term of the best choice, and outliers where there are enough."""
     problem, fit = explanation.problem, best.fit
     out: dict[str, NamedPhysics] = {}
-    for piece, own in estimates(fit, covariance_of(fit)):
+    for piece, own in estimates(fit, covariance):
         name = piece.term.name
         stands = standing(name, best, explanation.choices, problem)
         if name in out:
@@ -215,7 +222,7 @@ def named_physics(
             parameters=own,
             heldout_rmse_without=error_without(best, name, evidence),
             alternatives=stands.alternatives,
-            says=piece.term.sentence(piece.values, problem.around),
+            says=piece.term.sentence(stated(fit, piece), problem.around),
         )
     mistaken = None if problem.motion.kinetics else mistaken_frames(explanation)
     if mistaken is not None and not structure.found:

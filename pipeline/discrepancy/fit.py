@@ -125,12 +125,14 @@ class Fit:
         return np.linalg.qr(np.column_stack([self.calibrating, self.slopes]))[0]
 
     @cached_property
-    def slopes(self) -> np.ndarray:
-        """Whitened derivatives of the prediction by every term parameter, (count, free).
+    def changes(self) -> np.ndarray:
+        """Derivatives of the prediction by gain, offset, bends and every term parameter, (n, m)."""
+        return np.hstack([self.ground.nuisances.columns(self.trace), jacobian(self)])
 
-        A parameter that does not move the prediction (a moment between two samples) gives zeros.
-        """
-        return jacobian(self)
+    @cached_property
+    def slopes(self) -> np.ndarray:
+        """Those by every term parameter, whitened, (count, free)."""
+        return self.ground.whiten(self.changes[:, len(self.nuisance) :])
 
     @cached_property
     def key(self) -> frozenset[tuple[str, str]]:
@@ -202,7 +204,10 @@ def prior_mean(parameter: Parameter) -> float:
 
 
 def jacobian(fit: Fit) -> np.ndarray:
-    """See `Fit.slopes`."""
+    """Derivatives of the prediction by every term parameter, (n, free).
+
+    A parameter that does not move the prediction (a moment between two samples) gives zeros.
+    """
     ground = fit.ground
     predicted = fit.predicted
     columns = np.zeros((fit.free, len(fit.trace.seen)))
@@ -218,7 +223,7 @@ def jacobian(fit: Fit) -> np.ndarray:
                 moved = ground.nuisances.answer(trace, fit.nuisance)
                 columns[k] = (moved - predicted) / step
             k += 1
-    return ground.whiten(columns.T)
+    return columns.T
 
 
 def difference_step(p: Parameter, value: float) -> float:

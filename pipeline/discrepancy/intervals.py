@@ -4,13 +4,17 @@ import numpy as np
 
 from pipeline.discrepancy.fit import Fit, parameters_of
 from pipeline.discrepancy.moments import moments, moved
+from pipeline.discrepancy.noise_family import NoiseFamily, Place
 from pipeline.discrepancy.result import Estimate
 from pipeline.physics.mechanism import Piece
+from pipeline.recording import branch_of
 
-DEVIATIONS = 2.25  # 1.96, and 15 % for the noise and the form, which are no truth either
+DEVIATIONS = 1.96
 FALL = 3.84
 WIDEST = 1e12
 FARTHEST = 60
+NEGLIGIBLE = 0.01
+STRETCHES = 12
 
 
 def covariance_of(fit: Fit) -> np.ndarray:
@@ -18,30 +22,87 @@ def covariance_of(fit: Fit) -> np.ndarray:
 
     With the priors of both; inflated where the innovations are larger than they should be.
     """
-    ground = fit.ground
-    j = np.column_stack([fit.calibrating, fit.slopes])
-    priors = [ground.precision, *(ground.box(piece.term).precision for piece in fit.pieces)]
-    normal = j.T @ j + np.diag(np.concatenate(priors))
+    excess = max(float(np.mean(fit.innovations**2)), 1.0)
+    return excess * inverted(np.hstack([fit.calibrating, fit.slopes]), precisions(fit))
+
+
+def precisions(fit: Fit) -> np.ndarray:
+    """Of the priors of nuisances and then all term parameters, (m,)."""
+    return np.concatenate(
+        [fit.ground.precision, *(fit.ground.box(piece.term).precision for piece in fit.pieces)]
+    )
+
+
+def inverted(slopes: np.ndarray, precision: np.ndarray) -> np.ndarray:
+    """Covariance (m, m) for whitened slopes (k, m) and priors (m,)."""
+    normal = slopes.T @ slopes + np.diag(precision)
     scale = np.sqrt(np.maximum(np.diag(normal), 1.0 / WIDEST))
     inverse = np.linalg.pinv(normal / np.outer(scale, scale), rcond=1e-10, hermitian=True)
-    excess = max(float(np.mean(fit.innovations**2)), 1.0)
-    return excess * inverse / np.outer(scale, scale)
+    return np.asarray(inverse / np.outer(scale, scale))
+
+
+def wide_covariance(fit: Fit, place: Place, family: NoiseFamily) -> np.ndarray:
+    """The same, with what is not known of the noise, and of the form of what was fitted.
+
+    It is averaged over the noises that the residual leaves likely. Where a term has not quite the
+    form of the real thing, what is left repeats with command and direction: a sandwich (White,
+    Econometrica 48, 1980) over stretches of these tells how far that moves each parameter, and
+    widens it where that is further.
+    """
+    residual = fit.ground.problem.measured - fit.predicted
+    noises = [n for n in family.likely(residual, place) if n[0] > NEGLIGIBLE]
+    total = sum(weight for weight, _ in noises)
+    precision = precisions(fit)
+    average = np.zeros((len(precision), len(precision)))
+    for weight, noise in noises:
+        slopes = fit.ground.with_noise(noise).whiten(fit.changes)
+        average += weight / total * inverted(slopes, precision)
+    own, seen = np.diag(average), np.diag(repeated_misfit(fit))
+    wider = np.sqrt(np.maximum(np.divide(seen, own, out=np.ones_like(own), where=own > 0), 1.0))
+    return average * np.outer(wider, wider)
+
+
+def repeated_misfit(fit: Fit) -> np.ndarray:
+    """Covariance of all parameters by what the innovations have in common along the command."""
+    slopes, drive = np.hstack([fit.calibrating, fit.slopes]), fit.ground.problem.motion.drive
+    place = (drive - drive.min()) / max(float(np.ptp(drive)), 1e-300) * STRETCHES
+    stretch = 2 * np.minimum(place.astype(int), STRETCHES - 1) + (branch_of(drive) > 0)
+    number = np.unique(stretch[fit.ground.used], return_inverse=True)[1]
+    count = int(number.max()) + 1
+    scores = np.zeros((count, slopes.shape[1]))
+    np.add.at(scores, number, slopes * fit.innovations[:, None])
+    meat = scores.T @ scores * count / max(count - slopes.shape[1], 1)
+    precision = precisions(fit)
+    inverse = inverted(slopes, precision)
+    return np.asarray(inverse @ (meat + np.diag(precision)) @ inverse)
+
+
+def stated(fit: Fit, piece: Piece) -> np.ndarray:
+    """A term's parameters as they are told: what is seen in the measurement, in its own unit."""
+    gains = [fit.nuisance[0] if p.measured else 1.0 for p in parameters_of(fit.ground, piece.term)]
+    return np.asarray(piece.values * gains)
 
 
 def estimates(fit: Fit, covariance: np.ndarray) -> list[tuple[Piece, tuple[Estimate, ...]]]:
-    """Every term's parameters with 95 % intervals, within their bounds."""
-    deviations = np.sqrt(np.maximum(np.diag(covariance), 0.0))[len(fit.nuisance) :]
+    """Every term's parameters as they are told, with 95 % intervals within their bounds."""
+    gain = float(fit.nuisance[0])
     out = []
-    k = 0
+    k = len(fit.nuisance)
     for i, piece in enumerate(fit.pieces):
         own = []
         for p, value in zip(parameters_of(fit.ground, piece.term), piece.values, strict=True):
+            variance, scale = covariance[k, k], 1.0
+            if p.measured:
+                scale = gain
+                variance = gain**2 * variance + value**2 * covariance[0, 0]
+                variance += 2.0 * gain * value * covariance[0, k]
             if p.stepwise:
                 low, high = moment_interval(fit, i)
             else:
-                reach = DEVIATIONS * deviations[k]
-                low, high = max(value - reach, p.low), min(value + reach, p.high)
-            own.append(Estimate(p.name, float(value), float(low), float(high), p.unit))
+                reach = DEVIATIONS * np.sqrt(max(variance, 0.0))
+                low, high = sorted((scale * p.low, scale * p.high))
+                low, high = max(scale * value - reach, low), min(scale * value + reach, high)
+            own.append(Estimate(p.name, scale * float(value), float(low), float(high), p.unit))
             k += 1
         out.append((piece, tuple(own)))
     return out

@@ -15,6 +15,8 @@ CAP = 16.0
 MIDDLE = 3
 JITTER_COST = 0.5
 WALK_COST = 1.0
+
+Place = tuple[int, int, int]
 WALK_UNREPEATED = 12.0  # where nothing repeats, a walk is charged like the drift that it hides
 
 
@@ -33,14 +35,14 @@ class NoiseFamily:
     shapes: Sequence[tuple[float, float]]
     strain: np.ndarray
     still: bool = False
-    filters: dict[tuple[int, int, int], tuple[np.ndarray, float]] = field(default_factory=dict)
+    filters: dict[Place, tuple[np.ndarray, float]] = field(default_factory=dict)
 
     @property
     def jitters(self) -> bool:
         """Whether a cycle's zero may jitter: only where cycles repeat is that no physics."""
         return self.prior.repeats > 0
 
-    def unit(self, place: tuple[int, int, int]) -> NoiseModel:
+    def unit(self, place: Place) -> NoiseModel:
         """The noise at a place of the grid, its deviation 1."""
         share, correlation = self.shapes[place[0]]
         return NoiseModel(
@@ -48,7 +50,7 @@ class NoiseFamily:
             JITTERS[place[1]], WALKS[place[2]], self.prior.model.spell,
         )  # fmt: skip
 
-    def weigh(self, place: tuple[int, int, int], residual: np.ndarray) -> tuple[float, float]:
+    def weigh(self, place: Place, residual: np.ndarray) -> tuple[float, float]:
         """-2 log posterior at the likeliest scale, and that scale; residual is 0 where not used."""
         unit = self.unit(place)
         if place not in self.filters:
@@ -74,9 +76,7 @@ class NoiseFamily:
         cost += JITTER_COST * (place[1] > 0) + walk_cost * (place[2] > 0)
         return cost + float(self.strain[place[0]]), float(np.exp(log_scale))
 
-    def pick(
-        self, residual: np.ndarray, start: tuple[int, int, int]
-    ) -> tuple[NoiseModel, tuple[int, int, int]]:
+    def pick(self, residual: np.ndarray, start: Place) -> tuple[NoiseModel, Place]:
         """The likeliest noise for a residual (n,), by descent over the grid from a place."""
         filled = np.where(self.used, residual, 0.0)
         shape = start[0]
@@ -101,7 +101,24 @@ class NoiseFamily:
             best = winner
         return self.noise_at(best, known[best][1]), best
 
-    def noise_at(self, place: tuple[int, int, int], scale: float) -> NoiseModel:
+    def likely(self, residual: np.ndarray, place: Place) -> list[tuple[float, NoiseModel]]:
+        """Noises for a residual (n,) round the likeliest place, each with its probability."""
+        filled = np.where(self.used, residual, 0.0)
+        shape, jitter, walk = place
+        places = {place}
+        if not self.still:
+            most = len(JITTERS) if self.jitters else 1
+            places |= {(shape, j, w) for j in range(most) for w in range(len(WALKS))}
+            places |= {(other, jitter, walk) for other in range(len(self.shapes))}
+        weighed = [(p, *self.weigh(p, filled)) for p in sorted(places)]
+        least = min(cost for _, cost, _ in weighed)
+        odds = [float(np.exp(0.5 * (least - cost))) for _, cost, _ in weighed]
+        return [
+            (own / sum(odds), self.noise_at(p, scale))
+            for own, (p, _, scale) in zip(odds, weighed, strict=True)
+        ]
+
+    def noise_at(self, place: Place, scale: float) -> NoiseModel:
         """The noise at a place of the grid with a deviation [measurement's unit]."""
         unit = self.unit(place)
         return replace(

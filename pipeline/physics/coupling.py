@@ -43,14 +43,14 @@ class Coupling(Term):
         others = around.other_unit.get(self.channel, "deg")
         unit, bend = f"{around.angle_unit}/{others}", reach / other
         own = (
-            Parameter("gain", unit, -reach, reach, 0.05 * reach, 0.05 * reach),
-            Parameter("bend", f"{unit}^2", -bend, bend, 0.0, 0.02 * bend),
+            Parameter("gain", unit, -reach, reach, 0.05 * reach, 0.05 * reach, measured=True),
+            Parameter("bend", f"{unit}^2", -bend, bend, 0.0, 0.02 * bend, measured=True),
         )
         if not self.plays:
             return own
         return (
             *own,
-            Parameter("drag", unit, -reach, reach, 0.05 * reach, 0.05 * reach),
+            Parameter("drag", unit, -reach, reach, 0.05 * reach, 0.05 * reach, measured=True),
             Parameter("width", others, 0.0, 0.9 * span, 0.1 * span, 0.05 * span),
         )
 

@@ -29,11 +29,19 @@ class Drift(Term):
         duration = max(around.end_s - around.start_s, 1e-9)
         if self.form == "linear":
             most = span / duration * HOUR_S
-            return (Parameter("rate", f"{unit}/h", -most, most, 0.1 * most, 0.03 * most),)
+            return (
+                Parameter("rate", f"{unit}/h", -most, most, 0.1 * most, 0.03 * most, measured=True),
+            )
         if self.form == "cycle":
             most = span / max(around.cycles, 1)
-            return (Parameter("rate", f"{unit}/cycle", -most, most, 0.1 * most, 0.03 * most),)
-        amplitude = Parameter("amplitude", unit, -span, span, 0.05 * span, 0.03 * span)
+            return (
+                Parameter(
+                    "rate", f"{unit}/cycle", -most, most, 0.1 * most, 0.03 * most, measured=True
+                ),
+            )
+        amplitude = Parameter(
+            "amplitude", unit, -span, span, 0.05 * span, 0.03 * span, measured=True
+        )
         if self.form == "exponential":
             tau = Parameter("time_constant", "s", 0.02 * duration, 2 * duration, duration / 4, 0.0)
             return (amplitude, tau)
