@@ -5,8 +5,10 @@ import pytest
 
 from pipeline.config import DiagnosisConfig
 from pipeline.discrepancy.fit import evaluate, ground_of, improve, jacobian
-from pipeline.discrepancy.intervals import covariance_of, estimates
+from pipeline.discrepancy.intervals import covariance_of, estimates, wide_covariance
 from pipeline.discrepancy.noise import NoiseModel
+from pipeline.discrepancy.noise_family import noise_family
+from pipeline.discrepancy.noise_learning import learn_noise
 from pipeline.discrepancy.outliers import isolated
 from pipeline.discrepancy.problem import pose_problem, static_misfit, thinned
 from pipeline.physics.catalogue import term
@@ -20,12 +22,18 @@ BEGUN = (
 )
 
 
-def fitted(seed: int):
-    recording = recorded(HIDDEN, seed=seed)
+def fitted(seed: int, hidden=HIDDEN, begun=BEGUN, **how):
+    recording = recorded(hidden, seed=seed, **how)
     problem = pose_problem(
         DiagnosisConfig(), recording, "pitch_angle_deg", recording.values("pitch_angle_sim_deg")
     )
-    return improve(evaluate(ground_of(problem, NoiseModel(NOISE), problem.train), BEGUN), 30)
+    return improve(evaluate(ground_of(problem, NoiseModel(NOISE), problem.train), begun), 30)
+
+
+def widened(fit):
+    problem = fit.ground.problem
+    family = noise_family(learn_noise(problem), problem.cycle, fit.ground.used)
+    return wide_covariance(fit, (0, 0, 0), family)
 
 
 def test_a_fit_finds_what_was_hidden():
@@ -49,6 +57,27 @@ def test_intervals_cover():
         for _, own in estimates(fit, covariance_of(fit)):
             covered += [e.low <= truth[e.name] <= e.high for e in own if e.name in truth]
     assert 0.91 <= np.mean(covered) <= 1.0
+
+
+def test_a_drift_is_told_in_the_unit_of_what_is_measured():
+    begun = (Piece(term("drift", "linear"), np.array([1.0])),)
+    covered = []
+    for seed in range(12):
+        fit = fitted(seed, {"drift/linear": {"rate": 5.0}}, begun, gain=1.1)
+        rate = estimates(fit, widened(fit))[0][1][0]
+        assert rate.value == pytest.approx(5.5, abs=0.5)
+        covered.append(rate.low <= 5.5 <= rate.high)
+    assert np.mean(covered) > 0.8
+
+
+def test_a_wrong_form_widens_what_it_tells():
+    begun = (Piece(term("backlash"), np.array([4.0])),)
+    right = fitted(3, {"backlash": {"width": 4.0}}, begun)
+    friction = {"width": 4.0, "reach": 8.0, "spread": 0.7}
+    wrong = fitted(3, {"friction": friction}, begun)
+    ratio = [np.sqrt(widened(f)[-1, -1] / covariance_of(f)[-1, -1]) for f in (right, wrong)]
+    assert ratio[0] < 1.5
+    assert ratio[1] > 2.0 * ratio[0]
 
 
 def test_lone_samples_are_isolated_but_corners_are_not():
