@@ -23,8 +23,8 @@ class Parameter:
 
     stepwise: it acts between two samples only, so that the answer has no slope by it. weak: data
     say little of it, so that it is held near its start and no choice charges for it. relative: it
-    may lie anywhere over decades, so that its slope is taken over a share of its value. measured: it is
-    a size in the measurement itself, and is told with the calibration's gain in it.
+    may lie anywhere over decades, so that its slope is taken over a share of its value. measured:
+    it is a size in the measurement itself, and is told with the calibration's gain in it.
     """
 
     name: str
