@@ -23,7 +23,15 @@ STAGES = (
     "diagnosis",
     "review",
 )
-EXTRA_STAGES = ("importing", "prediction", "close_the_gap", "concealed", "fits", "crossed")
+EXTRA_STAGES = (
+    "importing",
+    "prediction",
+    "close_the_gap",
+    "concealed",
+    "fits",
+    "crossed",
+    "force_study",
+)
 
 
 @dataclass
@@ -310,6 +318,19 @@ class CacheConfig:
 
 
 @dataclass
+class ForceStudyConfig:
+    """Two files below `importing.path`: one to diagnose, one to predict.
+
+    mass: that the simulation has. published: parameters to compare with, as `term.parameter`.
+    """
+
+    fitted: str | None = None
+    other: str | None = None
+    mass: float = 0.0
+    published: dict[str, float] = field(default_factory=dict)
+
+
+@dataclass
 class Config:
     """Everything that one run is told."""
 
@@ -334,6 +355,7 @@ class Config:
     close_the_gap: CloseTheGapConfig = field(default_factory=CloseTheGapConfig)
     crossed: CrossedConfig = field(default_factory=CrossedConfig)
     concealed: ConcealedConfig = field(default_factory=ConcealedConfig)
+    force_study: ForceStudyConfig = field(default_factory=ForceStudyConfig)
     cache: CacheConfig = field(default_factory=CacheConfig)
 
 

@@ -109,3 +109,21 @@ def test_the_command_that_is_told_repeats_just_what_is_missing(kept_results, tmp
     assert loopgap(monkeypatch, *shlex.split(command)[1:]) == 0
     assert collecting.run(shlex.split(collect)[1:]) == 0
     assert {name: (tmp_path / name).read_bytes() for name in files} == whole
+
+
+def test_the_friction_of_a_real_drive_is_named(tmp_path, monkeypatch):
+    real = ROOT.parent / "shared" / "recordings" / "emps"
+    if not real.is_dir():
+        pytest.skip("no recordings beside the checkout")
+    arguments = ["experiment=real_emps", f"importing.path={real}", f"hydra.run.dir={tmp_path}"]
+    assert loopgap(monkeypatch, *arguments) == 0
+    errors = pd.read_csv(tmp_path / "force_study" / "errors.csv").set_index("model")
+    own, others = errors.loc["diagnosis"], errors.drop(index="diagnosis")
+    assert own["fitted recording (%)"] <= 3.2
+    assert (own < others.min()).all()
+    assert others.loc["symmetric least squares (published)"].iloc[0] == pytest.approx(4.08, abs=0.1)
+    found = pd.read_csv(tmp_path / "force_study" / "parameters.csv").set_index("parameter")
+    published = found["published"].notna() & (found.index != "offset")
+    assert published.sum() == 3
+    assert found.loc[published, "off (%)"].abs().max() < 2.0
+    assert abs(found.loc["viscous_friction.asymmetry", "high"]) > 0.1

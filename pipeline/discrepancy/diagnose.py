@@ -8,6 +8,7 @@ import numpy as np
 from pipeline.discrepancy.choose import Choice
 from pipeline.discrepancy.explain import Explanation, explain, not_excited
 from pipeline.discrepancy.fit import evaluate, improve
+from pipeline.discrepancy.force_noise import noise_of_samples
 from pipeline.discrepancy.force_problem import averaged
 from pipeline.discrepancy.intervals import estimates, moment_interval, stated, wide_covariance
 from pipeline.discrepancy.mistaken import mistaken_frames
@@ -67,7 +68,7 @@ def diagnose_measurement(
     model = model_of(measurement, problem, best, covariance)
     evidence = evidence_of(recording, measurement, problem, explanation, best, model)
     physics = named_physics(explanation, best, evidence, structure, covariance)
-    noise = best.fit.ground.noise
+    noise = model.noise
     before, after = errors(evidence, evidence.before), errors(evidence, evidence.after)
     verdict = verdict_of(explanation, best, physics, structure)
     diagnosis = Diagnosis(
@@ -136,6 +137,9 @@ def model_of(
     measurement: str, problem: Problem, choice: Choice, covariance: np.ndarray
 ) -> CorrectedModel:
     """What predicts the measurement from now on."""
+    small, noise = choice.fit.ground.problem, choice.fit.ground.noise
+    if small.averaged is not None:
+        noise = noise_of_samples(noise, problem, small.averaged, mechanism_of(problem, choice))
     return CorrectedModel(
         measurement=measurement,
         unit=problem.around.angle_unit,
@@ -143,7 +147,7 @@ def model_of(
         static=problem.static,
         radian=problem.motion.radian,
         mechanism=mechanism_of(problem, choice),
-        noise=choice.fit.ground.noise,
+        noise=noise,
         covariance=covariance,
         force=problem.motion.kinetics is not None,
         simulated=problem.motion.kinetics is None or problem.around.simulated,
@@ -182,7 +186,7 @@ def evidence_of(
         before=problem.simulated,
         after=after,
         deviation=deviation,
-        noise=best.fit.ground.noise,
+        noise=model.noise,
         hypotheses=hypotheses[:RIVALS],
     )
 
@@ -207,6 +211,7 @@ def named_physics(
 ) -> tuple[NamedPhysics, ...]:
     """Every term of the best choice, and outliers where there are enough."""
     problem, fit = explanation.problem, best.fit
+    mopping = structure.found and problem.motion.kinetics is None
     out: dict[str, NamedPhysics] = {}
     for piece, own in estimates(fit, covariance):
         name = piece.term.name
@@ -214,7 +219,7 @@ def named_physics(
         if name in out:
             out[name] = replace(out[name], parameters=(*out[name].parameters, *own))
             continue
-        probability = stands.probability * (0.5 if structure.found else 1.0)
+        probability = stands.probability * (0.5 if mopping else 1.0)
         out[name] = NamedPhysics(
             name=name,
             site=piece.term.site,

@@ -1,9 +1,12 @@
 """The noise of a force against motion: what a flexible law of force leaves."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from pipeline.discrepancy.noise import NoiseModel
 from pipeline.discrepancy.problem import Averaged, Problem
+from pipeline.physics.mechanism import Mechanism
 from pipeline.physics.motion import Kinetics
 from pipeline.physics.pre_sliding import sliding
 
@@ -32,6 +35,21 @@ def noise_of_force(problem: Problem, kinetics: Kinetics) -> NoiseModel:
     return NoiseModel(
         white=float(np.sqrt(left @ left / freedom)), spell=max(spell_of(left, rows), LEAST_SPELL)
     )
+
+
+def noise_of_samples(
+    noise: NoiseModel, problem: Problem, blocks: Averaged, mechanism: Mechanism
+) -> NoiseModel:
+    """The noise of one sample, given that of block means: what varies within a block comes on top.
+
+    problem: with all samples; its training rows within `blocks` tell.
+    """
+    rows = len(blocks.motion) // blocks.size * blocks.size
+    left = (problem.measured - mechanism.respond(problem.motion)[0])[:rows]
+    within = (left - np.repeat(blocks.mean(left), blocks.size)) ** 2
+    wanted = problem.train[:rows] & np.isfinite(within)
+    inside = float(np.mean(within[wanted])) if wanted.any() else 0.0
+    return replace(noise, white=float(np.sqrt(noise.white**2 + inside)))
 
 
 def _law(problem: Problem, kinetics: Kinetics) -> np.ndarray:

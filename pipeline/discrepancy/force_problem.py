@@ -21,6 +21,7 @@ from pipeline.recording import Recording
 
 TOP = 0.99
 ROWS_A_PERIOD = 2.5
+FEWEST_ROWS = 400
 
 
 def pose_force_problem(
@@ -90,15 +91,16 @@ def _surroundings(
 def averaged(problem: Problem, derivatives: Derivatives) -> tuple[Problem, int]:
     """The problem with block means as rows, and how many samples make one.
 
-    Blocks are as long as leaves 2.5 rows to a period of the cut-off, and longer where there would
-    be more than MOST_ROWS: the mean of a block is the low-pass before that decimation, the same for
-    the measured force and for what each term adds (the parallel filter of Gautier, Janot and
-    Vandanjon, IEEE Trans. Control Syst. Technol. 21 (2013) 428). A block counts as fitted where all
-    its samples do.
+    Blocks are as long as leaves 2.5 rows to a period of the cut-off, shorter where that would leave
+    fewer than FEWEST_ROWS, and longer where there would be more than MOST_ROWS. The mean of a
+    block is the low-pass before that decimation, the same for the measured force and for what each
+    term adds (the parallel filter of Gautier, Janot and Vandanjon, IEEE Trans. Control Syst.
+    Technol. 21 (2013) 428). A block counts as fitted where all its samples do.
     """
     last = int(np.flatnonzero(problem.train)[-1]) + 1
     by_cutoff = int(derivatives.rate_hz / (ROWS_A_PERIOD * derivatives.cutoff_hz))
-    size = max(by_cutoff, -(-last // MOST_ROWS), 1)
+    roomy = int(problem.train.sum()) // FEWEST_ROWS
+    size = max(min(by_cutoff, roomy), -(-last // MOST_ROWS), 1)
     fine = problem.motion.rows(slice(0, max(last, size)))
     blocks = Averaged(fine, size)
     kinetics = fine.kinetics

@@ -59,7 +59,10 @@ def terms(other_commands: Iterable[str] = ()) -> tuple[Term, ...]:
 
 
 def force_terms() -> tuple[Term, ...]:
-    """Every term that a force measured against a position can show, as `terms` does for a chain."""
+    """Every term that a force measured against a position can show, as `terms` does for a chain.
+
+    No drift that settles: settled at once, it is the offset that dry friction of two sizes needs.
+    """
     return (
         Inertia(),
         CoulombFriction(),
@@ -68,7 +71,6 @@ def force_terms() -> tuple[Term, ...]:
         Stiffness(),
         Drift("linear"),
         Drift("cycle"),
-        Drift("exponential"),
     )
 
 

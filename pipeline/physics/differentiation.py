@@ -12,6 +12,7 @@ UNEVEN = 0.01
 FEWEST_SAMPLES = 64
 SEGMENT = 1024
 SMOOTHED = 40
+MOTION_SHARE = 0.999
 NO_FILTER = 0.45
 EDGE_PERIODS = 1.0
 PAD_PERIODS = 3.0
@@ -84,12 +85,19 @@ def cutoff_of(position: np.ndarray, rate_hz: float) -> float:
     """Up to which frequency [Hz] differences show the motion; the rate if they do everywhere.
 
     The spectrum of the second differences falls with the motion's own and rises, as f^4, with the
-    noise of the position: the cut-off is where it is lowest. It is smoothed by a running median,
-    so that a line does not count.
+    noise of the position: the cut-off is where it is lowest, above the frequencies that hold all
+    but a thousandth of the position's variance. It is smoothed by a running median, so that a line
+    does not count.
     """
     if len(position) < FEWEST_SAMPLES:
         return rate_hz
     bend = np.diff(position, 2)
-    frequency, power = welch(bend, rate_hz, nperseg=min(SEGMENT, len(bend)))
-    power = median_filter(power[1:], size=max(3, len(power) // SMOOTHED), mode="nearest")
-    return float(frequency[1 + int(np.argmin(power))])
+    segment = min(SEGMENT, len(bend))
+    own = welch(position, rate_hz, nperseg=segment, detrend="linear")[1]
+    frequency, power = welch(bend, rate_hz, nperseg=segment)
+    power = median_filter(power, size=max(3, len(power) // SMOOTHED), mode="nearest")
+    total = np.cumsum(own)
+    first = 1 + int(np.searchsorted(total, MOTION_SHARE * total[-1]))
+    if first >= len(power):
+        return rate_hz
+    return float(frequency[first + int(np.argmin(power[first:]))])

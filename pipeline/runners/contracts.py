@@ -119,6 +119,12 @@ _CONTRACTS: dict[str, Contract] = {
         ("crossed",),
         (*ANGLES, "fits/*.json"),
     ),
+    "force_study": Contract(
+        f"{_RUNNERS}force_study:run_force_study",
+        ("importing", "simulation", "diagnosis", "force_study"),
+        ("force_study", "recordings", "diagnosis.json", "model.json", "report.html", "figures",
+         "diagnosis.rrd", "next_commands*.csv"),
+    ),
     "concealed": Contract(
         f"{_RUNNERS}concealed:run_concealed",
         ("diagnosis", "concealed"),
@@ -142,8 +148,8 @@ def contract_of(stage: str, config: Config) -> Contract:
 
 def may_be_reused(stage: str, config: Config) -> bool:
     """Whether the stage would do the same again: a real robot would not, nor may a user's code."""
-    if stage in ("importing", "prediction"):
-        return False  # done in less time than it takes to look
+    if stage in ("importing", "prediction", "force_study"):
+        return False  # files from elsewhere, or done in less time than it takes to look
     ours = config.simulation.kind != "python" and config.simulation.path is None
     if stage in ("diagnosis", "baselines", "close_the_gap") and not ours:
         return False
