@@ -8,7 +8,7 @@ from pipeline.physics.pre_sliding import sliding, weighted
 from pipeline.physics.term import Parameter, Surroundings
 
 LEAST_REACH = 1e-6
-REACHES = (3e-5, 3e-4, 2e-3, 0.01, 0.03, 0.1, 0.3)
+REACHES = (5e-6, 5e-5, 3e-4, 2e-3, 0.01, 0.03, 0.1, 0.3)
 
 
 def reach_of(around: Surroundings) -> Parameter:
