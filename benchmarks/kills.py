@@ -76,9 +76,10 @@ class Tally:
 
 @dataclass(frozen=True)
 class Place:
-    """Where one round works: its sweep and its cache."""
+    """Where one round works, its sweep and its cache, and what is asked there."""
 
     folder: Path
+    asked: Sequence[str] = tuple(SWEEP)
 
     @property
     def sweep(self) -> Path:
@@ -92,7 +93,13 @@ class Place:
 
     def start(self) -> subprocess.Popen[str]:
         """Start the command, in a process group of its own."""
-        command = [sys.executable, "-m", "pipeline.app", *SWEEP, f"hydra.sweep.dir={self.sweep}"]
+        command = [
+            sys.executable,
+            "-m",
+            "pipeline.app",
+            *self.asked,
+            f"hydra.sweep.dir={self.sweep}",
+        ]
         settings = {"LOOPGAP_CACHE": str(self.cache), "OMP_NUM_THREADS": "1"}
         return subprocess.Popen(
             command, cwd=ROOT, env=os.environ | settings, text=True, start_new_session=True,
