@@ -17,6 +17,7 @@ from pipeline.physics.term import Term
 from pipeline.recording import reversals_of
 
 MOST_UNSETTLED = 0.1
+TURN_ROWS = 2
 OF_ONE_SHAFT = ("transmission_ripple",)
 INCREDIBLE, MOST_INCREDIBLE = 4.3, 0.03
 
@@ -44,7 +45,7 @@ def explain(problem: Problem) -> Explanation:
     effects = effects_of(problem, candidates)
     settled = settled_rows(problem)
     off = np.where(problem.train, problem.measured - problem.simulated, np.nan)
-    outliers = isolated(off, problem.train, prior.finest)
+    outliers = isolated(off, problem.train, prior.finest) & ~turning(problem)
     used = problem.train & settled & ~outliers
     search = Search(candidates, effects, noise_family(prior, problem.cycle, used))
     choices = choose(search, ground_of(problem, prior.model, used))
@@ -73,7 +74,21 @@ def mistaken_rows(problem: Problem, choice: Choice, finest: float) -> np.ndarray
         alone = np.diff(incredible, prepend=-9) > 1
         out[incredible[alone]] = True
     left_out = problem.train & settled_rows(problem) & ~fit.ground.used
-    return out | (left_out & (np.abs(off) > INCREDIBLE * fit.ground.noise.deviation))
+    out |= left_out & (np.abs(off) > INCREDIBLE * fit.ground.noise.deviation)
+    return out & ~turning(problem)
+
+
+def turning(problem: Problem) -> np.ndarray:
+    """Rows (n,) next to a reversal of a motion that a force is measured against.
+
+    There dry friction jumps within a row or two: that is a corner and no outlier.
+    """
+    out = np.zeros(len(problem.motion), dtype=bool)
+    if problem.motion.kinetics is not None:
+        turns = reversals_of(problem.motion.drive)
+        near = turns[:, None] + np.arange(-TURN_ROWS, TURN_ROWS + 1)
+        out[np.clip(near, 0, len(out) - 1)] = True
+    return out
 
 
 def excited_terms(problem: Problem) -> tuple[Term, ...]:
