@@ -10,11 +10,15 @@ from pipeline.discrepancy.problem import Problem
 
 TIE = 9.0
 TEMPERATURE = 2.0
-LOOP_STEPS = 4.0
-BENDS = ("camera_tilt", "lens_distortion", "compliance", "gravity")
-LOOPS = ("creep", "friction", "response_lag")
-DELAYS = ("backlash", "frame_lag", "response_lag")
-SAME_DWELL = 0.2
+BENDS = frozenset({"camera_tilt", "lens_distortion", "compliance", "gravity"})
+SAME_AT_ONE_DWELL = (frozenset({"creep", "response_lag"}),)
+SAME_AT_ONE_SPEED = (
+    frozenset({"friction", "creep"}),
+    frozenset({"backlash", "frame_lag"}),
+    frozenset({"frame_lag", "response_lag"}),
+)
+DIFFERENT = 0.2
+FEW = 0.02
 IN_STEP = ("inertia", "stiffness")
 ALONG = 0.99
 
@@ -81,21 +85,16 @@ def by_names(choices: list[Choice]) -> list[Choice]:
 def equivalents(name: str, problem: Problem) -> list[str]:
     """Names that are known to give the same data as `name` under such commands.
 
-    What bends one static curve is one family in any data; loops that come from lateness need
-    different dwells to be told from friction, and a delay needs different steps to be told from
-    play.
+    What bends one static curve is one family in any data. Creep and lags remember time, friction
+    and play remember travel: at one dwell and one step these are the same.
     """
-    out: list[str] = []
     if problem.motion.kinetics is not None:
         return [n for n in IN_STEP if name in IN_STEP and n != name and in_step(problem)]
-    if name in BENDS:
-        out += [n for n in BENDS if n != name]
-    if not dwell_varies(problem):
-        if name in LOOPS:
-            out += [n for n in LOOPS[:2] if n != name]
-        if name in DELAYS and not step_varies(problem):
-            out += [n for n in DELAYS[:2] if n != name]
-    return out
+    families = [BENDS]
+    if other_dwells(problem) <= FEW:
+        families += SAME_AT_ONE_DWELL
+        families += SAME_AT_ONE_SPEED if other_steps(problem) <= FEW else ()
+    return sorted({n for family in families if name in family for n in family} - {name})
 
 
 def in_step(problem: Problem) -> bool:
@@ -108,15 +107,16 @@ def in_step(problem: Problem) -> bool:
     return bool(abs(along) > ALONG)
 
 
-def dwell_varies(problem: Problem) -> bool:
-    """Whether some training rows were waited for much longer or shorter than others."""
-    dwell = np.diff(problem.motion.time_s)[problem.train[1:]]
-    middle = float(np.median(dwell)) if len(dwell) else 0.0
-    return bool(np.mean(np.abs(dwell - middle) > SAME_DWELL * middle) > 0.02)
+def other_dwells(problem: Problem) -> float:
+    """Share of the training rows that were waited for much longer or shorter than usual."""
+    return _unusual(np.diff(problem.motion.time_s)[problem.train[1:]])
 
 
-def step_varies(problem: Problem) -> bool:
-    """Whether the drive moved by clearly different steps in the training rows."""
-    step = np.abs(np.diff(problem.motion.drive))[problem.train[1:]]
-    middle = float(np.median(step)) if len(step) else 0.0
-    return bool(np.mean(np.abs(step - middle) > SAME_DWELL * middle) > 0.05)
+def other_steps(problem: Problem) -> float:
+    """Share of the training rows to which the drive moved by another step than usual."""
+    return _unusual(np.abs(np.diff(problem.motion.drive))[problem.train[1:]])
+
+
+def _unusual(sizes: np.ndarray) -> float:
+    middle = float(np.median(sizes)) if len(sizes) else 0.0
+    return float(np.mean(np.abs(sizes - middle) > DIFFERENT * middle)) if len(sizes) else 0.0
