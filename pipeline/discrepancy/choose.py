@@ -157,7 +157,8 @@ def extended(
 ) -> list[Choice]:
     """The parent with each of the most promising further terms; sets in `skip` are left out.
 
-    begun: fits of the parent's terms to begin from as well, under the parent's noise.
+    So are terms that after three steps have gained less than any term is charged. begun: fits of
+    the parent's terms to begin from as well, under the parent's noise.
     """
     terms = [
         t
@@ -171,6 +172,7 @@ def extended(
             if trial.key not in found or trial.cost < found[trial.key].cost:
                 found[trial.key] = trial
     trials = sorted(found.values(), key=lambda t: t.cost)[: max(branches - 3, 3)]
+    trials = [t for t in trials if parent.fit.cost - t.cost > TERM_COST]
     slow = [t for t in terms if t.name in SLOW]
     if wanders(parent.place) and slow:
         still = search.stilled(parent.fit, parent.place, 4)[0]
