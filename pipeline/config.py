@@ -26,6 +26,7 @@ STAGES = (
 EXTRA_STAGES = (
     "importing",
     "prediction",
+    "baselines",
     "close_the_gap",
     "concealed",
     "fits",
@@ -248,11 +249,16 @@ class SimulationConfig:
 
 @dataclass
 class ToleranceConfig:
-    """How far the simulation's gain, offset [unit] and curve [unit] are trusted."""
+    """How far the simulation's gain, offset [unit] and curve [unit] are trusted.
+
+    `accuracy` is the measurement's own: a mismatch whose root mean square stays below it once gain,
+    offset and curve are right is none.
+    """
 
     gain: float = 0.05
     offset: float = 2.0
     shape: float = 0.0
+    accuracy: float = 0.0
 
 
 @dataclass

@@ -10,6 +10,8 @@ from pipeline.discrepancy.explain import Explanation, explain, not_excited
 from pipeline.discrepancy.fit import evaluate, improve
 from pipeline.discrepancy.force_noise import noise_of_samples
 from pipeline.discrepancy.force_problem import averaged
+from pipeline.discrepancy.foretold import foretold_part
+from pipeline.discrepancy.inputs import input_shares, said_shares
 from pipeline.discrepancy.intervals import estimates, moment_interval, stated, wide_covariance
 from pipeline.discrepancy.mistaken import mistaken_frames
 from pipeline.discrepancy.model import CorrectedModel
@@ -33,8 +35,10 @@ from pipeline.discrepancy.verdict import (
     follows,
     intolerable,
     structure_of,
+    within_accuracy,
 )
 from pipeline.physics.catalogue import term
+from pipeline.physics.coupling import Coupling
 from pipeline.physics.differentiation import Derivatives
 from pipeline.physics.mechanism import Mechanism
 from pipeline.recording import Recording
@@ -54,20 +58,24 @@ def diagnose_measurement(
     explanation = explain(small)
     best = explanation.choices[0]
     structure = structure_of(explanation, best)
-    absurd = absurd_calibration(best)
-    if not follows(explanation, best):
-        structure = replace(structure, found=True, where="everywhere")
-        best = next(c for c in explanation.choices if not c.fit.pieces)
+    base = next(c for c in explanation.choices if not c.fit.pieces)
+    accurate, absurd = within_accuracy(explanation, base), absurd_calibration(best)
+    if accurate:
+        best, structure = base, Structure(False, None, structure.share, structure.p_value)
+    elif not follows(explanation, best):
+        structure, best = replace(structure, found=True, where="everywhere"), base
     elif absurd is not None:
         structure = replace(structure, found=True, where=absurd)
     elif not structure.found and refuted(problem, best, explanation.prior.finest):
         structure = replace(structure, found=True, where=HELDOUT)
-    if structure.found:
+    if structure.found and explanation.prior.repeats == 0:
+        best = foretold_part(explanation.choices, best)
+    elif structure.found:
         best = fewer(explanation, best)
     covariance = wide_covariance(best.fit, best.place, explanation.search.family)
     model = model_of(measurement, problem, best, covariance)
     evidence = evidence_of(recording, measurement, problem, explanation, best, model)
-    physics = named_physics(explanation, best, evidence, structure, covariance)
+    physics = () if accurate else named_physics(explanation, best, evidence, structure, covariance)
     noise = model.noise
     before, after = errors(evidence, evidence.before), errors(evidence, evidence.after)
     verdict = verdict_of(explanation, best, physics, structure)
@@ -84,7 +92,10 @@ def diagnose_measurement(
         unexplained=Unexplained(structure.share, structure.p_value, structure.where),
         not_excited=not_excited(problem),
         next_experiment=None,
-        notes=notes(problem, explanation, best, evidence, every),
+        notes=(
+            *accuracy_note(problem, accurate),
+            *notes(problem, explanation, best, evidence, every),
+        ),
     )
     return diagnosis, evidence, model
 
@@ -166,7 +177,7 @@ def evidence_of(
     after, deviation = model.predict(problem.motion)
     outliers = isolated(problem.measured - after, problem.train, explanation.prior.finest)
     distinct = [c for c in by_names(explanation.choices) if c.score < best.score + RIVAL_GAP]
-    if best not in distinct:
+    if all(c is not best for c in distinct):
         distinct = [best]
     weights = weights_of(distinct)
     hypotheses = tuple(
@@ -216,8 +227,11 @@ def named_physics(
     for piece, own in estimates(fit, covariance):
         name = piece.term.name
         stands = standing(name, best, explanation.choices, problem)
+        if isinstance(piece.term, Coupling) and fit.names.count(name) > 1:
+            own = tuple(replace(e, name=f"{e.name} of {piece.term.channel}") for e in own)
         if name in out:
-            out[name] = replace(out[name], parameters=(*out[name].parameters, *own))
+            says = f"{out[name].says} {piece.term.sentence(piece.values, problem.around)}"
+            out[name] = replace(out[name], parameters=(*out[name].parameters, *own), says=says)
             continue
         probability = stands.probability * (0.5 if mopping else 1.0)
         out[name] = NamedPhysics(
@@ -297,9 +311,11 @@ def notes(
         out.append(f"Terms were fitted on every {every}th sample and all reversals.")
     if not problem.static:
         out.append(
-            "The simulation is no static curve of one command: terms act on its trace instead "
-            "of the command."
+            "The simulation is no static curve of one command: terms act on its trace. What acts "
+            "on the drive before it (play, ripple, slips in the transmission) could not be put in "
+            "front of it, and is fitted as if it came after."
         )
+    out += driven_note(problem, evidence)
     if explanation.prior.repeats == 0:
         out.append("No cycle repeats another: the noise was learnt from what is rough alone.")
     return tuple(out)
@@ -322,3 +338,27 @@ def force_notes(problem: Problem, found: Derivatives, every: int) -> list[str]:
     if not problem.around.simulated:
         out.append("Nothing simulates the force: all of it counts as left out.")
     return out
+
+
+def accuracy_note(problem: Problem, accurate: bool) -> list[str]:
+    """That the declared accuracy decided, in words; nothing where it did not."""
+    if not accurate:
+        return []
+    accuracy = f"{problem.tolerance.accuracy:g} {problem.around.angle_unit}"
+    return [
+        f"Once gain, offset and curve are right, less is left than the accuracy of the measurement "
+        f"that was declared ({accuracy}): no name was looked for in it."
+    ]
+
+
+def driven_note(problem: Problem, evidence: Evidence) -> list[str]:
+    """Which commands drive the measurement, as corrected and as the simulation came, in words."""
+    recording = evidence.recording
+    commands = {c.name: recording.values(c.name) for c in recording.with_role("command")}
+    known = np.isfinite(problem.measured) & np.isfinite(problem.simulated)
+    own = input_shares(evidence.after, commands, known)
+    if len(own) < 2:
+        return []
+    came = input_shares(problem.simulated, commands, known)
+    before = f"; the simulation as it came: {said_shares(came)}" if came else ""
+    return [f"{evidence.measurement} is driven {said_shares(own)}{before}."]

@@ -1,11 +1,20 @@
 """Explaining one measurement: noise, outliers, and the sets of terms that explain the rest."""
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from pipeline.discrepancy.choose import Choice, Search, choose, choose_again, polished
-from pipeline.discrepancy.fit import ground_of
+from pipeline.discrepancy.choose import (
+    SLOW,
+    Choice,
+    Search,
+    choose,
+    choose_again,
+    extended,
+    polished,
+)
+from pipeline.discrepancy.fit import ITERATIONS, ground_of, improve
 from pipeline.discrepancy.foretold import foretelling
 from pipeline.discrepancy.noise_family import noise_family
 from pipeline.discrepancy.noise_learning import NoisePrior, learn_noise
@@ -19,6 +28,7 @@ from pipeline.recording import reversals_of
 MOST_UNSETTLED = 0.1
 TURN_ROWS = 2
 OF_ONE_SHAFT = ("transmission_ripple",)
+TURNS, STANDING = 4, 1.0
 INCREDIBLE, MOST_INCREDIBLE = 4.3, 0.03
 
 
@@ -56,9 +66,34 @@ def explain(problem: Problem) -> Explanation:
         choices = choose_again(search, ground_of(problem, prior.model, used), choices)
     choices = polished(search, choices)
     if prior.repeats == 0:
-        choices = foretelling(choices)
+        best = resettled(search, choices[0])
+        choices = foretelling(with_slow_terms(search, [best, *choices[1:]]))
     outliers = mistaken_rows(problem, choices[0], prior.finest)
     return Explanation(problem, prior, search, choices, outliers, used)
+
+
+def resettled(search: Search, choice: Choice) -> Choice:
+    """A choice fitted and weighed by turns until its score stands still."""
+    for _ in range(TURNS):
+        again = search.weighed(improve(choice.fit), choice.place, 2 * ITERATIONS)
+        if again.score > choice.score - STANDING:
+            break
+        choice = again
+    return choice
+
+
+def with_slow_terms(search: Search, choices: Sequence[Choice]) -> list[Choice]:
+    """The choices, and the best without a slow change also with one.
+
+    Without repeats, noise that varies slowly hides slow changes.
+    """
+    slow = replace(search, terms=tuple(t for t in search.terms if t.name in SLOW))
+    found = {c.fit.key: c for c in choices}
+    still = [c for c in choices if not set(c.fit.names) & set(SLOW)]
+    for parent in sorted(still, key=lambda c: c.score)[:1]:
+        for child in extended(slow, parent, skip=found):
+            found[child.fit.key] = child
+    return list(found.values())
 
 
 def mistaken_rows(problem: Problem, choice: Choice, finest: float) -> np.ndarray:

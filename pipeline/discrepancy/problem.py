@@ -17,7 +17,7 @@ from pipeline.recording import Recording, reversals_of
 HELD_OUT_EVERY = 3
 STATIC_ERROR = 2e-3
 FEWEST_SAMPLES = 40
-MOST_ROWS = 6000
+MOST_ROWS = 3000
 MIXED = 0.05
 MOST_KEPT = 500
 
@@ -312,5 +312,6 @@ def thinned(problem: Problem) -> tuple[Problem, int]:
         return problem, 1
     keep = np.zeros(n, dtype=bool)
     keep[::every] = True
-    keep[reversals_of(problem.motion.drive)] = True
+    for signal in (problem.motion.drive, *problem.motion.others.values()):
+        keep[reversals_of(signal)] = True
     return problem.rows(np.flatnonzero(keep)), every

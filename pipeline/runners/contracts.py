@@ -90,6 +90,12 @@ _CONTRACTS: dict[str, Contract] = {
          "next_commands*.csv"),
         ANGLES,
     ),
+    "baselines": Contract(
+        f"{_RUNNERS}baselines:run_baselines",
+        ("simulation", "diagnosis"),
+        ("baselines.*",),
+        ("diagnosis.json", "diagnosis/*.csv"),
+    ),
     "prediction": Contract(
         f"{_RUNNERS}diagnosis:run_prediction",
         ("recording", "model", "simulation", "diagnosis.cutoff_hz"),

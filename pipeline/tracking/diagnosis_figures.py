@@ -6,7 +6,7 @@ Each is as wide as a telephone, so that its letters can be read there; colours m
 
 import io
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import matplotlib as mpl
@@ -15,6 +15,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from pipeline.discrepancy.inputs import input_shares
 from pipeline.discrepancy.locate import Located
 from pipeline.discrepancy.result import Evidence
 from pipeline.tracking.figures import COLOURS, STYLE, new_figure
@@ -63,6 +64,35 @@ def loop_figure(evidence: Evidence) -> Figure:
     panel.set_ylabel(f"{spoken(evidence.measurement)} [{_unit(evidence)}]")
     _legend(figure, panel)
     return figure
+
+
+def overview_figure(everything: Sequence[Evidence]) -> Figure:
+    """A row for each measurement: over time with the held-out rows shaded, and over its command."""
+    figure, axes = new_figure(len(everything), 2, height_in=2.1 * len(everything))
+    for (over_time, over_command), evidence in zip(axes, everything, strict=True):
+        recording, seconds = evidence.recording, evidence.motion.time_s - evidence.motion.time_s[0]
+        commands = {c.name: recording.values(c.name) for c in recording.with_role("command")}
+        known = np.isfinite(evidence.measured) & np.isfinite(evidence.before)
+        command = next(iter(input_shares(evidence.measured, commands, known)), evidence.drive)
+        for panel, x in ((over_time, seconds), (over_command, commands[command])):
+            panel.plot(x, evidence.measured, ".", ms=3, color=COLOURS["measured"], label="measured")
+            for values, colour, style, label in _answers(evidence):
+                panel.plot(x, values, ls=style, lw=1.1, color=COLOURS[colour], label=label)
+        for number, (begin, end) in enumerate(_runs(evidence.heldout)):
+            over_time.axvspan(seconds[begin], seconds[end], color=COLOURS["faint"], alpha=0.35,
+                              lw=0, zorder=0, label=None if number else "held out")  # fmt: skip
+        over_time.set_ylabel(f"{spoken(evidence.measurement)} [{_unit(evidence)}]")
+        over_command.set_xlabel(f"{spoken(command)} [{recording.channel(command).unit}]")
+    axes[-1, 0].set_xlabel("time [s]")
+    _legend(figure, axes[0, 0])
+    return figure
+
+
+def _answers(evidence: Evidence) -> tuple[tuple[np.ndarray, str, str, str], ...]:
+    return (
+        (evidence.before, "nominal", "--", "simulation as it came"),
+        (evidence.after, "compensated", "-", "corrected"),
+    )
 
 
 def residual_figure(evidence: Evidence) -> Figure:

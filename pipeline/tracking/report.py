@@ -13,7 +13,7 @@ from markupsafe import Markup
 from pipeline.discrepancy.result import Diagnosis, Evidence
 from pipeline.recording import write_atomically
 from pipeline.tracking import report_words as words
-from pipeline.tracking.diagnosis_figures import diagnosis_figures, spoken, svg_of
+from pipeline.tracking.diagnosis_figures import diagnosis_figures, overview_figure, spoken, svg_of
 from pipeline.tracking.figures import save_figure
 from pipeline.tracking.review import DiagnosisReview, write_diagnosis_review
 
@@ -61,6 +61,7 @@ def write_report(
             for name, figure in figures.items()
         }
         measurements.append(_measurement(diagnosis, proof, drawn))
+    save_figure(overview_figure(evidence), folder / "figures", "overview")
     write_atomically(folder / "report.html", page(measurements))
     write_diagnosis_review(folder / "diagnosis.rrd", reviews, summary(diagnoses))
 

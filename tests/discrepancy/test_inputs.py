@@ -1,0 +1,103 @@
+"""Several commands, uneven sampling, responses that swing: recovered from made recordings."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from pipeline.config import DiagnosisConfig, HeldoutConfig, ToleranceConfig
+from pipeline.discrepancy.fit import evaluate, ground_of, improve
+from pipeline.discrepancy.inputs import input_shares, said_shares
+from pipeline.discrepancy.noise import NoiseModel
+from pipeline.discrepancy.problem import pose_problem
+from pipeline.physics.coupling import Coupling
+from pipeline.physics.mechanism import Mechanism, Piece
+from pipeline.physics.motion import Motion
+from pipeline.physics.response_lag import ResponseLag
+from pipeline.recording import Recording
+from pipeline.stages.diagnosis import diagnose
+from tests.discrepancy.made import CHANNELS, NOISE, recorded
+
+ANGLE, SIMULATED, YAW = "pitch_angle_deg", "pitch_angle_sim_deg", "yaw_command_deg"
+
+
+def test_a_coupling_through_a_wire_with_play_is_recovered():
+    hidden = {f"coupling/{YAW}/play": {"gain": 0.15, "drag": -0.15, "width": 12.0}}
+    (diagnosis,) = diagnose(DiagnosisConfig(), recorded(hidden, seed=4, two_axes=True)).diagnoses
+    (physics,) = diagnosis.physics
+    assert physics.name == "coupling"
+    found = {e.name: e.value for e in physics.parameters}
+    assert found["gain"] == pytest.approx(0.153, rel=0.05)
+    assert found["drag"] == pytest.approx(-0.153, rel=0.15)
+    assert found["width"] == pytest.approx(12.0, rel=0.15)
+    assert diagnosis.after.heldout_rmse < 1.1 * NOISE
+    assert "yaw_command_deg" in physics.says
+
+
+def test_a_wire_that_only_drags_along_pushes_by_no_more_than_its_half_width():
+    yaw = np.concatenate([np.linspace(0, 30, 40), np.linspace(30, -30, 80)])
+    motion = Motion(np.zeros(120), np.arange(120.0), np.zeros(120, dtype=int), {YAW: yaw})
+    drag = Piece(Coupling(f"{YAW}/play"), np.array([0.0, 0.0, 0.5, 8.0]))
+    answer = Mechanism(pieces=(drag,)).respond(motion)[0]
+    assert answer[39] == pytest.approx(0.5 * 4.0, abs=1e-6)
+    assert answer[-1] == pytest.approx(-0.5 * 4.0, abs=1e-6)
+
+
+def test_which_command_drives_what_is_found_and_said():
+    rng = np.random.default_rng(0)
+    commands = {"a": rng.standard_normal(400), "b": 10.0 * rng.standard_normal(400)}
+    signal = 3.0 * commands["a"] - 0.1 * commands["b"]
+    signal[:50] = np.nan
+    shares = input_shares(signal, commands | {"still": np.ones(400)}, np.ones(400, dtype=bool))
+    assert said_shares(shares) in ("75 % by a and 25 % by b", "74 % by a and 26 % by b",
+                                   "76 % by a and 24 % by b")  # fmt: skip
+    assert sum(shares.values()) == pytest.approx(1.0)
+
+
+def swinging(keep: np.ndarray, jitter: float) -> Recording:
+    """Step answers of w = 3 rad/s and damping 0.3, sampled about every 0.2 s, on some rows."""
+    rng = np.random.default_rng(2)
+    n = 900
+    time_s = np.cumsum(0.2 * (1.0 + jitter * rng.uniform(-1, 1, n)))
+    command = 20.0 * np.sign(np.sin(2 * np.pi * np.arange(n) / 60.0)) + 10.0 * np.sin(time_s / 9.0)
+    motion = Motion(command, time_s, np.arange(n) // 60)
+    truth = Mechanism(pieces=(Piece(ResponseLag("second"), np.array([3.0, 0.3])),))
+    answer = truth.respond(motion)[0] + 0.05 * rng.standard_normal(n)
+    samples = recorded({}, cycles=8).samples.iloc[:n].copy()
+    measured = {ANGLE: np.where(keep, answer, np.nan), SIMULATED: command}
+    samples = samples.assign(
+        time_s=time_s, cycle=motion.cycle, pitch_command_deg=command, **measured
+    )
+    return Recording(samples, CHANNELS)
+
+
+@pytest.mark.parametrize(("share", "jitter"), [(1.0, 0.0), (1.0, 0.8), (0.6, 0.8)])
+def test_a_swing_is_the_same_whether_sampled_evenly_or_not(share, jitter):
+    keep = np.random.default_rng(3).uniform(size=900) < share
+    recording = swinging(keep, jitter)
+    problem = pose_problem(DiagnosisConfig(), recording, ANGLE, recording.values(SIMULATED))
+    ground = ground_of(problem, NoiseModel(0.05), problem.train)
+    physics = ResponseLag("second")
+    starts = physics.candidates(problem.motion, problem.around)
+    begun = min((evaluate(ground, (Piece(physics, v),)) for v in starts), key=lambda f: f.cost)
+    fit = improve(begun, 30)
+    assert fit.pieces[0].values == pytest.approx([3.0, 0.3], rel=0.02)
+
+
+def test_first_and_second_order_agree_where_the_swing_is_dead():
+    motion = Motion(np.ones(50), np.linspace(0.0, 10.0, 50), np.zeros(50, dtype=int))
+    state = {"response_lag": np.array([0.0, 0.0, 0.0])}
+    heavy = Mechanism(pieces=(Piece(ResponseLag("second"), np.array([100.0, 50.0])),))
+    answer = heavy.respond(motion, state)[0]
+    assert answer == pytest.approx(1.0 - np.exp(-motion.time_s), abs=2e-3)
+
+
+def test_a_mismatch_below_the_declared_accuracy_is_none():
+    recording = recorded({"backlash": {"width": 2.0}}, seed=3)
+    tolerance = ToleranceConfig(accuracy=1.0)
+    config = DiagnosisConfig(tolerance, HeldoutConfig("last_third"))
+    (diagnosis,) = diagnose(config, recording).diagnoses
+    assert diagnosis.verdict == "no_mismatch"
+    assert diagnosis.physics == ()
+    strict = replace(config, tolerance=replace(tolerance, accuracy=0.3))
+    assert diagnose(strict, recording).diagnoses[0].physics[0].name == "backlash"
