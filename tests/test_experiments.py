@@ -127,3 +127,38 @@ def test_the_friction_of_a_real_drive_is_named(tmp_path, monkeypatch):
     assert published.sum() == 3
     assert found.loc[published, "off (%)"].abs().max() < 2.0
     assert abs(found.loc["viscous_friction.asymmetry", "high"]) > 0.1
+
+
+def test_the_i2ris_robot_is_foretold_with_the_motors_that_drive_it(
+    published_recordings, tmp_path, monkeypatch
+):
+    arguments = ["experiment=real_i2ris", f"importing.path={published_recordings / 'i2ris'}",
+                 f"hydra.run.dir={tmp_path}"]  # fmt: skip
+    assert loopgap(monkeypatch, *arguments) == 0
+    entries = json.loads((tmp_path / "diagnosis.json").read_text())["measurements"]
+    pitch = next(e for e in entries if e["measurement"] == "pitch_angle_deg")
+    assert pitch["after"]["heldout_rmse"] <= 1.0
+    assert all("coupling" in [p["name"] for p in e["physics"]] for e in entries)
+    report = (tmp_path / "report.html").read_text()
+    assert "by motor_0_command_count" in report
+    table = pd.read_csv(tmp_path / "baselines.csv").set_index("measurement")
+    for entry in entries:
+        own = table.loc[entry["measurement"]]
+        best = own[~own["model"].str.startswith("diagnosis")]["held-out RMSE"].min()
+        mine = own[own["model"].str.startswith("diagnosis")]["held-out RMSE"].item()
+        assert mine < 1.05 * best
+    assert (tmp_path / "figures" / "overview.png").stat().st_size > 20000
+
+
+def test_the_dvrk_wrist_is_compared_with_its_baselines(published_recordings, tmp_path, monkeypatch):
+    folder = published_recordings / "dvrk_wrist" / "random"
+    arguments = ["experiment=real_dvrk", "stages=[importing,baselines]",
+                 f"importing.path={folder}", f"hydra.run.dir={tmp_path}"]  # fmt: skip
+    assert loopgap(monkeypatch, *arguments) == 0  # the diagnosis takes minutes
+    table = pd.read_csv(tmp_path / "baselines.csv").set_index(["measurement", "model"])
+    heldout = table["held-out RMSE"]
+    assert heldout["joint4_angle_deg", "simulation as it came"] == pytest.approx(10.1, abs=0.1)
+    assert heldout["joint4_angle_deg", "own play"] == pytest.approx(1.85, abs=0.05)
+    assert (
+        heldout["joint6_angle_deg", "coupled play"] < 0.5 * heldout["joint6_angle_deg", "own play"]
+    )

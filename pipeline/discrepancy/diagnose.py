@@ -68,7 +68,7 @@ def diagnose_measurement(
         structure = replace(structure, found=True, where=absurd)
     elif not structure.found and refuted(problem, best, explanation.prior.finest):
         structure = replace(structure, found=True, where=HELDOUT)
-    if structure.found and explanation.prior.repeats == 0:
+    if structure.found and explanation.prior.repeats == 0 and problem.derivatives is None:
         best = foretold_part(explanation.choices, best)
     elif structure.found:
         best = fewer(explanation, best)

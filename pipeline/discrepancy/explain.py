@@ -65,7 +65,7 @@ def explain(problem: Problem) -> Explanation:
         search = Search(candidates, effects, noise_family(prior, problem.cycle, used))
         choices = choose_again(search, ground_of(problem, prior.model, used), choices)
     choices = polished(search, choices)
-    if prior.repeats == 0:
+    if prior.repeats == 0 and problem.derivatives is None:
         best = resettled(search, choices[0])
         choices = foretelling(with_slow_terms(search, [best, *choices[1:]]))
     outliers = mistaken_rows(problem, choices[0], prior.finest)

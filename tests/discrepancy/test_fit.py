@@ -100,6 +100,6 @@ def test_long_recordings_are_thinned_at_their_reversals_and_say_so():
         DiagnosisConfig(), recording, "pitch_angle_deg", recording.values("pitch_angle_sim_deg")
     )
     small, every = thinned(problem)
-    assert every == 3
+    assert every == 5
     assert len(small.motion) < 6000
     assert small.motion.drive.max() == problem.motion.drive.max()
