@@ -4,11 +4,13 @@ Each maps commands U (n, k), of which the first moves the measurement most, to a
 all that have a memory begin at the first row. `fit` sees training rows only.
 """
 
+import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.optimize import nnls
+from sklearn.exceptions import ConvergenceWarning
 from sklearn.gaussian_process import GaussianProcessRegressor
 from sklearn.gaussian_process.kernels import RBF, ConstantKernel, WhiteKernel
 from sklearn.linear_model import LinearRegression, Ridge
@@ -93,7 +95,9 @@ def gaussian_process(commands: np.ndarray, measured: np.ndarray, train: np.ndarr
     scale = np.ones(features.shape[1])
     kernel = ConstantKernel(1.0) * RBF(scale, (0.05, 1e3)) + WhiteKernel(0.05, (1e-4, 2.0))
     model = GaussianProcessRegressor(kernel, normalize_y=True, random_state=0)
-    return model.fit(features[rows], measured[rows]).predict(features)
+    with warnings.catch_warnings():  # a length at its bound only says that an input has no say
+        warnings.simplefilter("ignore", ConvergenceWarning)
+        return model.fit(features[rows], measured[rows]).predict(features)
 
 
 MODELS = (
