@@ -26,6 +26,7 @@ import gmr
 import numpy as np
 import pandas as pd
 from sklearn.mixture import GaussianMixture
+from threadpoolctl import threadpool_limits
 
 from pipeline.config import STEP_RULES, CompensationConfig, Config, CrossedConfig, TrainingConfig
 from pipeline.control.trial import trial_path
@@ -55,7 +56,15 @@ class Size:
 
 
 def plain_script(recordings: Mapping[str, Recording], size: Size) -> None:
-    """The loops as one would write them with scikit-learn and gmr, without files."""
+    """The loops as one would write them with scikit-learn and gmr, without files.
+
+    One BLAS thread, as the project has it: more make these small matrices up to ten times slower.
+    """
+    with threadpool_limits(1):
+        _plain_loops(recordings, size)
+
+
+def _plain_loops(recordings: Mapping[str, Recording], size: Size) -> None:
     targets = trial_path(CompensationConfig().targets, CompensationConfig().target_amplitude_deg)
     for test in _splits(size):
         for k in size.ks:
@@ -141,7 +150,7 @@ def command(folder: Path, name: str, size: Size, *more: str) -> None:
         f"crossed.ks={json.dumps(size.ks, separators=(',', ':'))}",
         f"split.index=range(0,{size.splits})", f"hydra.sweep.dir={folder / name}", *more,
     ]  # fmt: skip
-    settings = {"LOOPGAP_CACHE": str(folder / "cache")}
+    settings = {"LOOPGAP_CACHE": str(folder / "cache"), "OMP_NUM_THREADS": "1"}
     subprocess.run(
         [sys.executable, "-m", "pipeline.app", *arguments],
         cwd=ROOT, env=os.environ | settings, check=True, stdout=subprocess.DEVNULL,
@@ -195,7 +204,6 @@ def main() -> None:
     parser.add_argument("--splits", type=int, default=4)
     parser.add_argument("--whole", action="store_true", help="84 splits, K 1-20")
     asked = parser.parse_args()
-    os.environ |= {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
     first, _, last = asked.ks.partition("-")
     ks = range(int(first), int(last) + 1) if last else map(int, asked.ks.split(","))
     size = Size(list(ks), asked.splits)

@@ -145,10 +145,7 @@ def contract_of(stage: str, config: Config) -> Contract:
     if stage == "training" and config.selection.k is not None:
         return replace(contract, reads=ANGLES)
     if stage == "evaluation" and config.evaluation.trial:
-        return replace(
-            contract,
-            settings=(*contract.settings, *LABORATORY, "vision"),
-        )
+        return replace(contract, settings=(*contract.settings, *LABORATORY, "vision"))
     return contract
 
 

@@ -134,7 +134,8 @@ def _outside(folder: Path, patterns: Iterable[str]) -> dict[str, str]:
 
 def _done_before(run: Run, stage: str, contract: Contract, key: str) -> StageRecord | None:
     """What an earlier try of this run left, if it is this very result and nothing has changed."""
-    record = read_record(run.folder, stage)
+    known = may_be_reused(stage, run.config) or in_laboratory(stage, run.config)
+    record = read_record(run.folder, stage) if known else None
     if record is None or record.key != key:
         return None
     if _proven(run.folder, record):
