@@ -13,6 +13,7 @@ from pipeline.physics.pre_sliding import sliding
 REACHES = (1e-5, 1e-3, 0.01, 0.05, 0.3)
 LONGEST_SHARE = 0.1
 LEAST_SPELL = 1.0 + 1e-9
+MEDIAN_SQUARE = 0.4549  # of a standard normal: the median does not count corners and outliers
 
 
 def noise_of_force(problem: Problem, kinetics: Kinetics) -> NoiseModel:
@@ -48,7 +49,7 @@ def noise_of_samples(
     left = (problem.measured - mechanism.respond(problem.motion)[0])[:rows]
     within = (left - np.repeat(blocks.mean(left), blocks.size)) ** 2
     wanted = problem.train[:rows] & np.isfinite(within)
-    inside = float(np.mean(within[wanted])) if wanted.any() else 0.0
+    inside = float(np.median(within[wanted])) / MEDIAN_SQUARE if wanted.any() else 0.0
     return replace(noise, white=float(np.sqrt(noise.white**2 + inside)))
 
 
