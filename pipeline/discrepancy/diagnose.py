@@ -12,7 +12,7 @@ from pipeline.discrepancy.force_noise import noise_of_samples
 from pipeline.discrepancy.force_problem import averaged
 from pipeline.discrepancy.foretold import foretold_part
 from pipeline.discrepancy.inputs import input_shares, said_shares
-from pipeline.discrepancy.intervals import estimates, moment_interval, stated, wide_covariance
+from pipeline.discrepancy.intervals import estimates, stated, undated, wide_covariance
 from pipeline.discrepancy.mistaken import mistaken_frames
 from pipeline.discrepancy.model import CorrectedModel
 from pipeline.discrepancy.outliers import isolated
@@ -114,22 +114,11 @@ def refuted(problem: Problem, choice: Choice, finest: float) -> bool:
     before. Lone rows, and those between which a slip may lie, are not counted.
     """
     off = problem.measured - mechanism_of(problem, choice).respond(problem.motion)[0]
-    counted = ~isolated(off, problem.train, finest) & ~undated(problem, choice)
+    counted = ~isolated(off, problem.train, finest) & ~undated(choice.fit, problem.motion.time_s)
     train, heldout = problem.train & counted, problem.heldout & counted
     before = (problem.measured - problem.simulated)[heldout]
     left = root_mean(off[heldout] ** 2)
     return left > TWICE * root_mean(off[train] ** 2) and left > HALF * root_mean(before**2)
-
-
-def undated(problem: Problem, choice: Choice) -> np.ndarray:
-    """Rows (n,) at which a fitted slip may or may not have happened."""
-    time_s = problem.motion.time_s
-    out = np.zeros(len(time_s), dtype=bool)
-    for k, piece in enumerate(choice.fit.pieces):
-        if any(p.stepwise for p in piece.term.parameters(problem.around)):
-            low, high = moment_interval(choice.fit, k)
-            out |= (time_s > low) & (time_s < high)
-    return out
 
 
 def mechanism_of(problem: Problem, choice: Choice) -> Mechanism:

@@ -125,3 +125,13 @@ def moment_interval(fit: Fit, place: int) -> tuple[float, float]:
 
 def _as_good(fit: Fit, place: int, moment_s: float) -> bool:
     return moved(fit, place, moment_s).cost < fit.cost + FALL
+
+
+def undated(fit: Fit, time_s: np.ndarray) -> np.ndarray:
+    """At which times (n,) a fitted slip may or may not have happened, a mask."""
+    out = np.zeros(len(time_s), dtype=bool)
+    for k, piece in enumerate(fit.pieces):
+        if any(p.stepwise for p in parameters_of(fit.ground, piece.term)):
+            low, high = moment_interval(fit, k)
+            out |= (time_s > low) & (time_s < high)
+    return out

@@ -2,23 +2,28 @@
 
 import numpy as np
 
-from pipeline.discrepancy.explain import Explanation
+from pipeline.discrepancy.explain import INCREDIBLE, Explanation
+from pipeline.discrepancy.intervals import undated
 from pipeline.discrepancy.result import Estimate
 
-FEWEST = 2
+FEWEST = 3
 
 
 def mistaken_frames(explanation: Explanation) -> tuple[Estimate, Estimate] | None:
     """Share and size of the outliers with 95 % intervals, or None where there are too few.
 
-    Judged on training rows. The share's interval is Wilson's, the size's that of a mean.
+    Judged on training rows that the noise does not make credible; neighbours count once, and those
+    between which a slip may lie not at all. The share's interval is Wilson's, the size's that of a
+    mean.
     """
-    problem = explanation.problem
-    rows = problem.train & explanation.outliers
+    problem, fit = explanation.problem, explanation.choices[0].fit
+    off = np.abs(problem.measured - fit.predicted)
+    rows = problem.train & explanation.outliers & ~undated(fit, problem.motion.time_s)
+    rows &= off > INCREDIBLE * fit.ground.noise.deviation
     count, n = int(rows.sum()), int(problem.train.sum())
-    if count < FEWEST:
+    if np.sum(np.diff(np.flatnonzero(rows), prepend=-9) > 1) < FEWEST:
         return None
-    off = np.abs(problem.measured - explanation.choices[0].fit.predicted)[rows]
+    off = off[rows]
     z = 1.96
     middle = (count + 0.5 * z**2) / (n + z**2)
     reach = z / (n + z**2) * np.sqrt(count * (n - count) / n + 0.25 * z**2)

@@ -11,7 +11,7 @@ from pipeline.discrepancy.rest import structured_rest
 
 CHANCE = 1e-5
 SMALLEST_SIZE = 0.2
-SLOW, SLOW_SHARE = 0.87, 0.5
+SLOW = 0.87
 ENOUGH = 0.7
 ABSURD, FAR = 2.0, 5.0
 UNFOLLOWED = 0.7
@@ -81,16 +81,27 @@ def structure_of(explanation: Explanation, choice: Choice) -> Structure:
     sure = [r for r in large if r.p_value * len(rests) < CHANCE]
     where = sure[0].where if sure else None
     size = max((r.size for r in sure), default=0.0)
-    if where is None and noise.correlation > SLOW and slow_share(choice) > SLOW_SHARE:
+    if where is None and slow(explanation, choice):
         where, size, p_value = "slow changes", noise.correlated, min(p_value, CHANCE)
     share = min(size**2 / mismatch_variance(explanation), 1.0)
     return Structure(where is not None, where, share, p_value)
 
 
-def slow_share(choice: Choice) -> float:
-    """Share of the noise's variance that is correlated from sample to sample."""
-    noise = choice.fit.ground.noise
-    return noise.correlated**2 / noise.deviation**2
+def slow(explanation: Explanation, choice: Choice) -> bool:
+    """Whether the residual itself, whatever repeats say, is surely as slow as physics.
+
+    It is where no noise of those that forget sooner comes near the likelihood of the chosen one.
+    """
+    ground, family = choice.fit.ground, explanation.search.family
+    if ground.noise.correlation <= SLOW:
+        return False
+    residual = np.where(ground.used, ground.problem.measured - choice.fit.predicted, 0.0)
+    cost = [
+        family.weigh((k, *choice.place[1:]), residual)[0] - family.strain[k]
+        for k in range(len(family.shapes))
+    ]
+    sooner = [c for c, shape in zip(cost, family.shapes, strict=True) if shape[1] <= SLOW]
+    return bool(cost[choice.place[0]] < min(sooner, default=np.inf) + 2.0 * np.log(CHANCE))
 
 
 def mismatch_variance(explanation: Explanation) -> float:
