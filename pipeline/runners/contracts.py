@@ -98,7 +98,7 @@ _CONTRACTS: dict[str, Contract] = {
     ),
     "prediction": Contract(
         f"{_RUNNERS}diagnosis:run_prediction",
-        ("recording", "model", "simulation", "diagnosis.cutoff_hz"),
+        ("recording", "model", "simulation", "diagnosis"),
         ("predictions.csv",),
     ),
     "review": Contract(
