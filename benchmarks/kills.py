@@ -177,7 +177,7 @@ def compare(place: Place, undisturbed: Place, tally: Tally) -> None:
     rows = [pd.read_csv(f) for f in sorted(place.sweep.glob("*/evaluation/metrics.csv"))]
     tally.doubled += sum(int(table.duplicated().sum()) for table in rows)
     tally.other_tables += tables_of(place) != tables_of(undisturbed)
-    left = [f for f in place.folder.rglob("*") if ".unfinished" in f.name or f.suffix == ".part"]
+    left = [*place.folder.rglob(".unfinished/*"), *place.folder.rglob("*.part")]
     tally.notes += [f"left lying: {file}" for file in left]
 
 

@@ -85,8 +85,11 @@ def _do(job: Job, configure: Callable[[], tuple[Config, str]]) -> None:
             part.unlink()
         job.note("running")
     config, text = configure()
+    cache = StageCache(Path(config.cache.folder)) if config.cache.use else None
+    if cache is not None:
+        cache.tidy()
     place = Workplace(
-        StageCache(Path(config.cache.folder)) if config.cache.use else None,
+        cache,
         None if job.sweep is None else job.sweep / SHARED,
         lambda: job.note("running"),
     )
@@ -96,9 +99,16 @@ def _do(job: Job, configure: Callable[[], tuple[Config, str]]) -> None:
             stack.enter_context(redirect_stdout(file))
             stack.enter_context(redirect_stderr(file))
         write_atomically(job.folder / "config.yaml", text)
-        records = run_stages(config, job.folder, place)
+        records: list[StageRecord] = []
+        try:
+            for record in run_stages(config, job.folder, place):
+                records.append(record)  # one by one: what was done before an error counts
+        except BaseException:
+            with suppress(OSError):
+                _write_provenance(job, config, began, "failed", records)
+            raise
     if not was_done or any(record.made != FROM_BEFORE for record in records):
-        _write_provenance(job, config, began, records)
+        _write_provenance(job, config, began, "done", records)
         job.note("done")
         ended = "done"
     else:
@@ -107,7 +117,9 @@ def _do(job: Job, configure: Callable[[], tuple[Config, str]]) -> None:
         note_end(job.sweep, job.number, ended, job.overrides)
 
 
-def _write_provenance(job: Job, config: Config, began: str, records: list[StageRecord]) -> None:
+def _write_provenance(
+    job: Job, config: Config, began: str, status: str, records: list[StageRecord]
+) -> None:
     diff_file = None
     if code().uncommitted is not None:
         name = f"uncommitted-{str(code().uncommitted)[:12]}.diff"
@@ -115,7 +127,7 @@ def _write_provenance(job: Job, config: Config, began: str, records: list[StageR
         if not file.exists():
             write_atomically(file, code().diff)
         diff_file = name if job.sweep is None else f"../{name}"
-    document = provenance(config, job.overrides, began, "done", records, diff_file)
+    document = provenance(config, job.overrides, began, status, records, diff_file)
     write_atomically(job.folder / PROVENANCE_FILE, json.dumps(document, indent=1))
 
 

@@ -1,5 +1,6 @@
 """One run: its stages in their order."""
 
+from collections.abc import Iterator
 from pathlib import Path
 
 from pipeline.config import Config
@@ -8,10 +9,9 @@ from pipeline.runners.stage_run import FOLDER_IN_TEXT, Workplace, do_stage
 from pipeline.tracking.stage_record import FROM_BEFORE, RAN, StageRecord
 
 
-def run_stages(config: Config, folder: Path, place: Workplace) -> list[StageRecord]:
-    """Bring about what the named stages leave, in their order, and say what each did."""
+def run_stages(config: Config, folder: Path, place: Workplace) -> Iterator[StageRecord]:
+    """Bring about what the named stages leave, one by one, and say what each did."""
     run = Run(config, folder, None if config.earlier is None else Path(config.earlier))
-    records = []
     for number, stage in enumerate(config.stages, start=1):
         head = f"[{number}/{len(config.stages)}] {stage}"
         print(head, flush=True)
@@ -19,9 +19,8 @@ def run_stages(config: Config, folder: Path, place: Workplace) -> list[StageReco
         if record.made != RAN:
             print(record.said.replace(FOLDER_IN_TEXT, str(folder)), end="")
         print(f"{head}: {_how(record)}", flush=True)
-        records.append(record)
+        yield record
     print(f"everything is in {folder}", flush=True)
-    return records
 
 
 def _how(record: StageRecord) -> str:

@@ -24,7 +24,7 @@ from pipeline.tracking.progress import watched
 SWEEP_FILE = "sweep.json"
 MULTIRUN = ("-m", "--multirun")
 RUN_DIR, SWEEP_DIR = "hydra.run.dir=", "hydra.sweep.dir="
-NO_SAY = ("hydra.", "hydra/", "cache.", "-")
+NO_SAY = ("hydra.run.", "hydra.sweep.", "hydra.launcher", "hydra/launcher", "cache.", "-")
 
 
 @dataclass(frozen=True)

@@ -1,5 +1,6 @@
 """The command line: exit statuses, errors that name the key, stages on what an earlier run left."""
 
+import hashlib
 import json
 import os
 import shutil
@@ -14,6 +15,7 @@ import pandas as pd
 import pytest
 
 from pipeline import app
+from pipeline.config import STAGES
 from pipeline.recording import load_recording
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -55,6 +57,24 @@ def test_main_job_leaves_every_result(small_run):
         assert (small_run / name).stat().st_size > 500
 
 
+def test_a_run_says_from_what_it_came(small_run):
+    document = json.loads((small_run / "provenance.json").read_text())
+    assert document["configuration"]["acquisition"]["cycles"] == 4
+    assert document["packages"]["numpy"]
+    assert (document["status"], document["seed"]) == ("done", 0)
+    stages = {stage["stage"]: stage for stage in document["stages"]}
+    assert list(stages) == list(STAGES)
+    assert all(stage["made"] == "ran" and stage["wall_time_s"] > 0 for stage in stages.values())
+    samples = "vision/yaw/samples.csv"
+    assert stages["training"]["inputs"][samples] == stages["vision"]["outputs"][samples]
+    assert "acquisition/yaw/frames/ (160 files)" in stages["vision"]["inputs"]
+    text = (small_run / samples).read_bytes()
+    assert stages["vision"]["outputs"][samples] == hashlib.sha256(text).hexdigest()
+    if document["code"]["uncommitted"] is not None:
+        diff = (small_run / document["code"]["diff"]).read_bytes()
+        assert document["code"]["uncommitted"] == hashlib.sha256(diff).hexdigest()
+
+
 def test_truth_is_beside_the_recording_and_not_in_it(small_run):
     truth = pd.read_csv(small_run / "acquisition" / "truth" / "yaw.csv")
     assert len(truth) == 160
@@ -90,7 +110,8 @@ def test_a_recording_of_ones_own_is_trained_on(small_run, tmp_path, monkeypatch)
 def test_a_stage_without_its_input_says_which_stage_makes_it(tmp_path, monkeypatch, capsys):
     assert loopgap(monkeypatch, "stages=[training]", f"hydra.run.dir={tmp_path}") == 2
     assert "Add 'vision' to `stages`" in capsys.readouterr().err
-    assert json.loads((tmp_path / "job.json").read_text())["status"] == "failed"
+    for name in ("job.json", "provenance.json"):
+        assert json.loads((tmp_path / name).read_text())["status"] == "failed"
 
 
 def test_sweep_shares_the_recording_and_leaves_one_table(small_run, tmp_path, monkeypatch):

@@ -183,7 +183,7 @@ def _lent(cache: StageCache, record: StageRecord, shared: Path) -> Path | None:
         shutil.rmtree(folder, ignore_errors=True)
     if not folder.is_dir():
         try:
-            appear(folder, fill)
+            appear(folder, fill, shared)
         except CorruptError:
             return None
     return folder

@@ -67,8 +67,7 @@ class StageCache:
         if not self.writable or place.exists():
             return
         try:
-            place.parent.mkdir(parents=True, exist_ok=True)
-            appear(place, fill)
+            appear(place, fill, self.folder)
         except CorruptError as error:
             _say(f"{error} while it was kept: not kept")
         except OSError as error:

@@ -35,12 +35,17 @@ def copy_proven(source: Path, target: Path, hashes: Mapping[str, str]) -> None:
         (target / name).write_bytes(data)
 
 
-def appear(folder: Path, fill: Callable[[Path], None]) -> None:
-    """Let `fill` write a folder that others see at once and whole; an earlier winner's stays."""
-    beside = folder.parent / f"{UNFINISHED}-{socket.gethostname()}-{os.getpid()}-{uuid.uuid4().hex}"
+def appear(folder: Path, fill: Callable[[Path], None], store: Path) -> None:
+    """Let `fill` write a folder that others see at once and whole; an earlier winner's stays.
+
+    Until then it is in `store`'s folder `.unfinished`, on the same file system.
+    """
+    name = f"{socket.gethostname()}-{os.getpid()}-{uuid.uuid4().hex}"
+    beside = store / UNFINISHED / name
     beside.mkdir(parents=True)
     try:
         fill(beside)
+        folder.parent.mkdir(parents=True, exist_ok=True)
         beside.rename(folder)
     except OSError as error:
         if error.errno not in (errno.ENOTEMPTY, errno.EEXIST):
@@ -49,13 +54,12 @@ def appear(folder: Path, fill: Callable[[Path], None]) -> None:
         shutil.rmtree(beside, ignore_errors=True)
 
 
-def remove_unfinished(folder: Path) -> int:
-    """Remove what dead processes of this machine left half done; how many there were."""
-    mine = f"{UNFINISHED}-{socket.gethostname()}-"
-    left = [f for f in folder.rglob(f"{mine}*") if not _alive(f.name.removeprefix(mine))]
-    for path in left:
-        shutil.rmtree(path, ignore_errors=True)
-    return len(left)
+def remove_unfinished(store: Path) -> None:
+    """Remove what dead processes of this machine left half done in a store."""
+    mine = f"{socket.gethostname()}-"
+    for path in (store / UNFINISHED).glob(f"{mine}*"):
+        if not _alive(path.name.removeprefix(mine)):
+            shutil.rmtree(path, ignore_errors=True)
 
 
 @contextmanager
