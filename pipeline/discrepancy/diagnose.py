@@ -68,8 +68,8 @@ def diagnose_measurement(
         structure = replace(structure, found=True, where=absurd)
     elif not structure.found and refuted(problem, best, explanation.prior.finest):
         structure = replace(structure, found=True, where=HELDOUT)
-    if structure.found and explanation.prior.repeats == 0 and problem.derivatives is None:
-        best = foretold_part(explanation.choices, best)
+    if explanation.prior.repeats == 0 and problem.derivatives is None:
+        best = foretold_part(explanation.choices, best, structure.found)
     elif structure.found:
         best = fewer(explanation, best)
     covariance = wide_covariance(best.fit, best.place, explanation.search.family)

@@ -38,24 +38,27 @@ def foretelling(choices: Sequence[Choice]) -> list[Choice]:
     )
 
 
-def foretold_part(choices: Sequence[Choice], choice: Choice) -> Choice:
-    """What of a choice is borne out where a structured rest is left and nothing repeats.
+def foretold_part(choices: Sequence[Choice], choice: Choice, structured: bool) -> Choice:
+    """What of a choice later training rows bear out, where nothing repeats.
 
-    A name stays whose absence would raise the mean square error ahead by a tenth; the rest is
-    refitted. All go where what stays takes away less than seven tenths of what calibration alone
-    leaves.
+    A name stays whose absence would raise the mean square error ahead; the rest is refitted. Where
+    a structured rest is left it has to be by a tenth, and all go where what stays takes away less
+    than seven tenths of what calibration alone leaves.
     """
     base = next(c for c in choices if not c.fit.pieces)
     rows = np.flatnonzero(choice.fit.ground.used)
-    whole = error_ahead(base, rows) ** 2
+    needed = 1.0 + (NEEDED if structured else 0.0)
     left = error_ahead(choice, rows) ** 2
     while choice.fit.pieces:
         trials = [_without(choice, name) for name in dict.fromkeys(choice.fit.names)]
         errors = [error_ahead(t, rows) ** 2 for t in trials]
         k = int(np.argmin(errors))
-        if errors[k] > (1.0 + NEEDED) * left:
+        if errors[k] > needed * left:
             break
         choice, left = trials[k], errors[k]
+    if not structured:
+        return choice
+    whole = error_ahead(base, rows) ** 2
     return choice if choice.fit.pieces and left < (1.0 - ENOUGH) * whole else base
 
 
