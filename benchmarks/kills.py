@@ -224,7 +224,8 @@ def _refused(
         subprocess.run(["chattr", "-R", "+i", str(place.folder)], capture_output=True)
     _, errors = process.communicate(timeout=LONGEST_S)
     if process.returncode == 0:  # it had ended before, or only the cache had no room: it goes on
-        tally.blows[f"{name}, cache alone"] += "cache: can't be written" in errors
+        if "cache: can't be written" in errors:
+            tally.blows[f"{name}, cache alone"] += 1
         return
     tally.blows[name] += 1
     said = any(word in errors for word in words)
