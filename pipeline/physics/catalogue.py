@@ -5,6 +5,7 @@ from collections.abc import Iterable
 from pipeline.errors import refusal
 from pipeline.physics.backlash import Backlash
 from pipeline.physics.camera_tilt import CameraTilt
+from pipeline.physics.capstan_friction import CapstanFriction
 from pipeline.physics.compliance import Compliance
 from pipeline.physics.contact import Contact
 from pipeline.physics.coulomb_friction import CoulombFriction
@@ -36,6 +37,7 @@ def terms(other_commands: Iterable[str] = ()) -> tuple[Term, ...]:
         TransmissionRipple(),
         Backlash(),
         Friction(),
+        CapstanFriction(),
         Slack(),
         Compliance("wire"),
         Compliance("joint"),

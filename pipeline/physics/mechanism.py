@@ -16,6 +16,7 @@ ORDER = (
     "backlash",
     "tension_loss",
     "slack",
+    "friction",
     "response_lag",
     "inertia",
     "coulomb_friction",

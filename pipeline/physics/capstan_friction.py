@@ -1,0 +1,56 @@
+"""Wire friction in a sheath: what comes out of it is less than what is pulled, by a share."""
+
+import numpy as np
+
+from pipeline.physics.force_units import FORCES
+from pipeline.physics.motion import Motion
+from pipeline.physics.pre_sliding import sliding
+from pipeline.physics.term import Parameter, Surroundings, Term
+
+LEAST_PULL = 1e-3
+
+
+class CapstanFriction(Term):
+    """out = pull exp(-wrap z), z from -1 to 1 over the pre-sliding `reach` of log(pull).
+
+    Where reach = wrap and spread = 0, a play in the logarithm: after each reversal nothing comes
+    out until the pull has changed by a factor of exp(2 wrap). A pull below a thousandth of its
+    range counts as that. wrap = friction coefficient times the angle that the wire is bent by.
+    Sources: capstan equation (Euler 1769; Eytelwein 1808); Kaneko et al., IEEE Trans. Robot.
+    Autom. 7 (1991) 351 (tendon in a sheath); bank of sliders: `pre_sliding.py`.
+    """
+
+    name = "friction"
+    site = "transmission"
+    form = "capstan"
+    says = (
+        "The sheath holds the wire back by a share of its pull: the two ways differ by a factor "
+        "of exp(2 x {wrap})."
+    )
+
+    def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
+        return (
+            Parameter("wrap", "", 0.0, 3.0, 0.2, 0.1),
+            Parameter("reach", "", 1e-3, 6.0, 0.2, 0.1),
+            Parameter("spread", "", 0.0, 1.0, 0.3, 0.3),
+        )
+
+    def respond(
+        self, signal: np.ndarray, motion: Motion, values: np.ndarray, state: np.ndarray | None
+    ) -> tuple[np.ndarray, np.ndarray]:
+        wrap, reach, spread = (float(v) for v in values)
+        if state is None:
+            floor = LEAST_PULL * max(float(np.ptp(signal)), 1e-12)
+            state = np.concatenate([[floor, np.log(max(float(signal[0]), floor))], np.zeros(8)])
+        floor = float(state[0])
+        pull = np.log(np.maximum(signal, floor))
+        share, slid = sliding(pull, reach, spread, state[1:])
+        return signal * np.exp(-wrap * share), np.concatenate([[floor], slid])
+
+    def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
+        return np.array([[w, w * r, 0.3] for w in (0.05, 0.2, 0.6) for r in (0.3, 1.0)])
+
+    def excited(self, motion: Motion, around: Surroundings) -> bool:
+        """Where a force goes in and a force comes out, and the wire is pulled all the time."""
+        forces = around.drive_unit in FORCES and around.angle_unit in FORCES
+        return forces and around.drive_span > 0.0 and around.angle_low > -0.05 * around.angle_span

@@ -1,0 +1,70 @@
+"""Friction of a wire in a sheath, against a sheath of many segments."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from pipeline.config import DiagnosisConfig
+from pipeline.physics.capstan_friction import CapstanFriction
+from pipeline.physics.motion import Motion
+from pipeline.recording import load_recording
+from pipeline.stages.diagnosis import diagnose
+
+WRAP, NOISE_N = 0.25, 0.2
+
+
+def sheath(pull_n: np.ndarray, wrap: float, segments: int = 40) -> np.ndarray:
+    """Pull at the far end: each segment holds back at most its share of exp(wrap)."""
+    share = np.exp(wrap / segments)
+    held = np.full(segments, pull_n[0])
+    out = []
+    for pull in pull_n:
+        for k in range(segments):
+            held[k] = pull = min(max(held[k], pull / share), pull * share)
+        out.append(pull)
+    return np.array(out)
+
+
+def pulls_n() -> tuple[np.ndarray, np.ndarray]:
+    swings = (18.0, 18.0, 12.0, 18.0, 8.0, 18.0, 15.0, 18.0, 18.0)
+    phase = 2.0 * np.pi * np.arange(120) / 120
+    pull = np.concatenate([22.0 - swing * np.cos(phase) for swing in swings])
+    return pull, np.repeat(np.arange(len(swings)), 120)
+
+
+def test_it_is_the_sheath_of_many_segments_and_blocks_join():
+    pull, cycle = pulls_n()
+    motion = Motion(pull, np.arange(len(pull)) * 0.1, cycle)
+    values = np.array([WRAP, WRAP, 0.0])
+    out, _ = CapstanFriction().respond(pull, motion, values, None)
+    known = sheath(pull, WRAP)
+    assert out[120:] == pytest.approx(known[120:], rel=1e-9)
+    first, state = CapstanFriction().respond(pull[:300], motion.rows(slice(0, 300)), values, None)
+    rest, _ = CapstanFriction().respond(pull[300:], motion.rows(slice(300, None)), values, state)
+    assert np.concatenate([first, rest]) == pytest.approx(out, rel=1e-12)
+
+
+def test_a_sheath_is_named_and_its_wrap_found(tmp_path: Path):
+    pull, cycle = pulls_n()
+    rng = np.random.default_rng(4)
+    measured = 1.02 * sheath(pull, WRAP) + 0.3 + NOISE_N * rng.standard_normal(len(pull))
+    table = pd.DataFrame(
+        {"time_s": 0.1 * np.arange(len(pull)), "cycle": cycle, "pull_n": pull, "out_n": measured,
+         "out_sim_n": pull}
+    )  # fmt: skip
+    table.to_csv(tmp_path / "samples.csv", index=False)
+    channels = [
+        {"name": "pull_n", "role": "command", "unit": "N"},
+        {"name": "out_n", "role": "measurement", "unit": "N"},
+        {"name": "out_sim_n", "role": "simulation", "unit": "N", "of": "out_n"},
+    ]
+    head = {"schema": "loopgap.recording/1", "source": "sheath", "channels": channels}
+    (tmp_path / "recording.json").write_text(json.dumps(head))
+    found = diagnose(DiagnosisConfig(), load_recording(tmp_path)).diagnoses[0]
+    assert (found.verdict, [p.name for p in found.physics]) == ("explained", ["friction"])
+    wrap = found.physics[0].parameters[0]
+    assert wrap.low < WRAP < wrap.high
+    assert found.after.heldout_rmse < 1.1 * NOISE_N
