@@ -80,6 +80,12 @@ class Place:
 
     folder: Path
     asked: Sequence[str] = tuple(SWEEP)
+    groups: list[int] = field(default_factory=list)
+
+    @property
+    def said(self) -> Path:
+        """What the last command said, beside the folder, which may be full or locked."""
+        return self.folder.with_name(f"{self.folder.name}.said")
 
     @property
     def sweep(self) -> Path:
@@ -91,8 +97,11 @@ class Place:
         """The cache's folder."""
         return self.folder / "cache"
 
-    def start(self) -> subprocess.Popen[str]:
-        """Start the command, in a process group of its own."""
+    def start(self) -> subprocess.Popen[bytes]:
+        """Start the command, in a process group of its own; what it says goes to a file.
+
+        Workers outlive a killed main process: a pipe would stay open as long as they do.
+        """
         command = [
             sys.executable,
             "-m",
@@ -101,16 +110,18 @@ class Place:
             f"hydra.sweep.dir={self.sweep}",
         ]
         settings = {"LOOPGAP_CACHE": str(self.cache), "OMP_NUM_THREADS": "1"}
-        return subprocess.Popen(
-            command, cwd=ROOT, env=os.environ | settings, text=True, start_new_session=True,
-            stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
-        )  # fmt: skip
+        with self.said.open("w") as said:
+            process = subprocess.Popen(
+                command, cwd=ROOT, env=os.environ | settings, start_new_session=True,
+                stdout=subprocess.DEVNULL, stderr=said,
+            )  # fmt: skip
+        self.groups.append(process.pid)
+        return process
 
     def finish(self) -> tuple[int, str]:
         """Run the command to its end: exit status and what it said on stderr."""
-        process = self.start()
-        _, errors = process.communicate(timeout=LONGEST_S)
-        return process.returncode, errors
+        status = self.start().wait(LONGEST_S)
+        return status, self.said.read_text()
 
 
 def kill_at_random(place: Place, rng: random.Random, within_s: float, tally: Tally) -> bool:
@@ -126,9 +137,8 @@ def kill_at_random(place: Place, rng: random.Random, within_s: float, tally: Tal
             else:
                 process.kill()
         tally.blows["of the group" if group else "of the main process alone"] += 1
-        process.communicate()
+        process.wait()
         return True
-    process.communicate()
     return False
 
 
@@ -222,7 +232,8 @@ def _refused(
         with suppress(subprocess.TimeoutExpired):
             process.wait(lock_after_s)
         subprocess.run(["chattr", "-R", "+i", str(place.folder)], capture_output=True)
-    _, errors = process.communicate(timeout=LONGEST_S)
+    process.wait(LONGEST_S)
+    errors = place.said.read_text()
     if process.returncode == 0:  # it had ended before, or only the cache had no room: it goes on
         if "cache: can't be written" in errors:
             tally.blows[f"{name}, cache alone"] += 1
@@ -295,6 +306,10 @@ def run(kills: int, seed: int, folder: Path) -> Tally:
 
 
 def _remove(place: Place) -> None:
+    for group in place.groups:
+        with suppress(ProcessLookupError):
+            os.killpg(group, signal.SIGKILL)
+    place.said.unlink()
     if place.folder.is_mount():
         subprocess.run(["umount", "-l", str(place.folder)], check=True)
     shutil.rmtree(place.folder, ignore_errors=True)
