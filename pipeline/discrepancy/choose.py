@@ -31,7 +31,7 @@ SIDED = ("contact", "end_stop")
 Key = frozenset[tuple[str, str]]
 Place = tuple[int, int, int]
 SLOW = ("lost_steps", "drift")
-UNLIKELY = {"response_lag": 8.0, "lost_steps": 3.0, "contact": 2.0}
+UNLIKELY = {"lost_steps": 3.0, "contact": 2.0}
 
 
 @dataclass(frozen=True)
