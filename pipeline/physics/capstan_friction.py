@@ -7,15 +7,15 @@ from pipeline.physics.motion import Motion
 from pipeline.physics.pre_sliding import sliding
 from pipeline.physics.term import Parameter, Surroundings, Term
 
-LEAST_PULL = 1e-3
+LEAST_PULL = 1e-9
 
 
 class CapstanFriction(Term):
     """out = pull exp(-wrap z), z from -1 to 1 over the pre-sliding `reach` of log(pull).
 
     Where reach = wrap and spread = 0, a play in the logarithm: after each reversal nothing comes
-    out until the pull has changed by a factor of exp(2 wrap). A pull below a thousandth of its
-    range counts as that. wrap = friction coefficient times the angle that the wire is bent by.
+    out until the pull has changed by a factor of exp(2 wrap). A wire that is not pulled
+    counts as pulled by LEAST_PULL. wrap = friction coefficient times the angle that it is bent by.
     Sources: capstan equation (Euler 1769; Eytelwein 1808); Kaneko et al., IEEE Trans. Robot.
     Autom. 7 (1991) 351 (tendon in a sheath); bank of sliders: `pre_sliding.py`.
     """
@@ -39,13 +39,8 @@ class CapstanFriction(Term):
         self, signal: np.ndarray, motion: Motion, values: np.ndarray, state: np.ndarray | None
     ) -> tuple[np.ndarray, np.ndarray]:
         wrap, reach, spread = (float(v) for v in values)
-        if state is None:
-            floor = LEAST_PULL * max(float(np.ptp(signal)), 1e-12)
-            state = np.concatenate([[floor, np.log(max(float(signal[0]), floor))], np.zeros(8)])
-        floor = float(state[0])
-        pull = np.log(np.maximum(signal, floor))
-        share, slid = sliding(pull, reach, spread, state[1:])
-        return signal * np.exp(-wrap * share), np.concatenate([[floor], slid])
+        share, slid = sliding(np.log(np.maximum(signal, LEAST_PULL)), reach, spread, state)
+        return signal * np.exp(-wrap * share), slid
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
         return np.array([[w, w * r, 0.3] for w in (0.05, 0.2, 0.6) for r in (0.3, 1.0)])

@@ -4,11 +4,8 @@ import numpy as np
 
 from pipeline.physics.balance import Load
 from pipeline.physics.motion import Motion
+from pipeline.physics.pre_sliding import ELEMENTS, QUANTILES
 from pipeline.physics.term import Parameter, Surroundings, Term
-
-ELEMENTS = 8
-QUANTILES = -np.log(1.0 - (np.arange(ELEMENTS) + 0.5) / ELEMENTS)
-QUANTILES /= QUANTILES.mean()
 
 
 class Friction(Term):
