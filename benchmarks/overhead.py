@@ -181,12 +181,12 @@ def compare(size: Size, folder: Path) -> pd.DataFrame:
     shutil.copytree(RECORDINGS, folder / "recorded" / "vision")
     changed = "compensation.tolerance_deg=1e-5"
     ways: Sequence[tuple[str, Callable[[], None], str | None]] = (
-        ("plain script, scikit-learn and gmr", lambda: plain_script(recordings, size), None),
-        ("own functions in plain loops", lambda: own_loops(recordings, size), None),
         ("command, cold", lambda: command(folder, "cold", size), "cold"),
         ("one setting changed", lambda: command(folder, "changed", size, changed), "changed"),
         ("new folder, nothing changed", lambda: command(folder, "same", size), "same"),
         ("same folder again", lambda: command(folder, "cold", size), None),
+        ("plain script, scikit-learn and gmr", lambda: plain_script(recordings, size), None),
+        ("own functions in plain loops", lambda: own_loops(recordings, size), None),
     )
     rows = []
     for name, work, sweep in ways:
