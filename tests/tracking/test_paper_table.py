@@ -159,7 +159,7 @@ def test_latex_takes_the_table(sweep: Path, definition: Path, tmp_path: Path) ->
         (tmp_path / name).write_text(text)
     (tmp_path / "paper.tex").write_text(
         r"\documentclass{article}\usepackage{booktabs}\input{numbers}\begin{document}"
-        r"\input{table} \PitchCompensatedModelRmse\end{document}"
+        r"\input{table} \input{comparisons} \PitchCompensatedModelRmse\end{document}"
     )
     done = subprocess.run(["pdflatex", "-halt-on-error", "paper.tex"], cwd=tmp_path)
     assert done.returncode == 0
