@@ -227,13 +227,12 @@ def grown(search: Search, choice: Choice) -> Choice:
 def _reformed(fit: Fit, place: int, term: Term) -> Fit:
     """The fit with another form of a term, begun from the values that both have."""
     old = fit.pieces[place]
-    shared = [p.name for p in parameters_of(fit.ground, old.term)]
+    had = [p.name for p in parameters_of(fit.ground, old.term)]
     names = [p.name for p in parameters_of(fit.ground, term)]
     starts = term.candidates(fit.ground.problem.motion, fit.ground.problem.around)
-    k = len(shared)
-    if names[:k] == shared and len(names) > k:
-        extra = np.unique(starts[:, k:], axis=0)
-        starts = np.column_stack([np.tile(old.values, (len(extra), 1)), extra])
+    if len(names) > len(had) and set(had) <= set(names):
+        starts[:, [names.index(name) for name in had]] = old.values
+        starts = np.unique(starts, axis=0)
     before, after = fit.pieces[:place], fit.pieces[place + 1 :]
     trials = [evaluate(fit.ground, (*before, Piece(term, values), *after)) for values in starts]
     trials.sort(key=lambda t: t.cost)

@@ -8,6 +8,7 @@ import numpy as np
 from pipeline.discrepancy.choose import Choice
 from pipeline.discrepancy.explain import Explanation, explain, not_excited
 from pipeline.discrepancy.fit import evaluate, improve
+from pipeline.discrepancy.force_delay import delay_of, late
 from pipeline.discrepancy.force_noise import noise_of_samples
 from pipeline.discrepancy.force_problem import averaged
 from pipeline.discrepancy.foretold import foretold_part
@@ -56,6 +57,11 @@ def diagnose_measurement(
     """Name what the simulation of a measurement left out, with the proof on held-out rows."""
     small, every = reduced(problem)
     explanation = explain(small)
+    if problem.derivatives is not None:
+        delay = delay_of(problem, explanation.choices[0].fit)
+        if delay.value != 0.0:
+            problem = late(problem, delay)
+            explanation = explain(reduced(problem)[0])
     best = explanation.choices[0]
     structure = structure_of(explanation, best)
     base = next(c for c in explanation.choices if not c.fit.pieces)
@@ -88,7 +94,7 @@ def diagnose_measurement(
         after=after,
         location=(),
         physics=physics,
-        calibration=Calibration(float(best.fit.nuisance[0]), float(best.fit.nuisance[1])),
+        calibration=calibration_of(problem, best),
         unexplained=Unexplained(structure.share, structure.p_value, structure.where),
         not_excited=not_excited(problem),
         next_experiment=None,
@@ -100,11 +106,17 @@ def diagnose_measurement(
     return diagnosis, evidence, model
 
 
+def calibration_of(problem: Problem, choice: Choice) -> Calibration:
+    """Gain and offset of a choice, and the delay of a force."""
+    gain, offset = (float(value) for value in choice.fit.nuisance[:2])
+    return Calibration(gain, offset, None if problem.derivatives is None else problem.delay.value)
+
+
 def reduced(problem: Problem) -> tuple[Problem, int]:
     """The problem on as many rows as a fit needs, and how many samples stand behind each."""
     if problem.derivatives is None:
         return thinned(problem)
-    return averaged(problem, problem.derivatives)
+    return averaged(problem)
 
 
 def refuted(problem: Problem, choice: Choice, finest: float) -> bool:
@@ -151,6 +163,7 @@ def model_of(
         covariance=covariance,
         force=problem.motion.kinetics is not None,
         simulated=problem.motion.kinetics is None or problem.around.simulated,
+        delay_s=problem.delay.value,
     )
 
 
@@ -320,6 +333,14 @@ def force_notes(problem: Problem, found: Derivatives, every: int) -> list[str]:
         )
     if found.resampled:
         out.append(f"Samples stand unevenly: an even grid of {found.rate_hz:.4g} Hz stood between.")
+    delay = problem.delay
+    if delay.value != 0.0:
+        low, high = sorted(abs(1e3 * end) for end in (delay.low, delay.high))
+        out.append(
+            f"The force was recorded {abs(1e3 * delay.value):.3g} ms ({low:.3g} to {high:.3g}) "
+            f"{'after' if delay.value > 0.0 else 'before'} the motion that it belongs to: the "
+            "motion was moved there."
+        )
     ends = int(np.sum(np.isfinite(problem.measured) & ~found.known))
     out.append(f"{ends} samples at both ends, where the derivatives see one side, do not count.")
     if every > 1:

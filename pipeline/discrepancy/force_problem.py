@@ -12,7 +12,6 @@ from pipeline.discrepancy.problem import (
     held_out_rows,
     refuse_unfit,
 )
-from pipeline.physics.differentiation import Derivatives
 from pipeline.physics.force_motion import force_motion
 from pipeline.physics.kinematics import IdentityCurve
 from pipeline.physics.motion import Kinetics, Motion
@@ -33,12 +32,14 @@ def pose_force_problem(
 ) -> Problem:
     """What is to be explained: a force measured against `position`, given a simulation of it (n,).
 
-    Rows at the ends, where the differentiation sees one side only, neither fit nor judge. Raises
-    DiagnosisError where there is too little to judge.
+    Rows at the ends, where the differentiation sees one side only, and rows beside those of which
+    the simulation says nothing neither fit nor judge. Raises DiagnosisError where there is too
+    little to judge.
     """
     motion, derivatives = force_motion(recording, position, simulated, config.cutoff_hz)
     measured = recording.values(measurement)
-    known = np.isfinite(measured) & np.isfinite(simulated) & derivatives.known
+    said = np.isfinite(np.convolve(simulated, np.ones(3), mode="same"))
+    known = np.isfinite(measured) & said & derivatives.known
     heldout = held_out_rows(config.heldout, motion, known)
     train = known & ~heldout
     refuse_unfit(config.heldout, measurement, train, known & heldout)
@@ -88,8 +89,8 @@ def _surroundings(
     )
 
 
-def averaged(problem: Problem, derivatives: Derivatives) -> tuple[Problem, int]:
-    """The problem with block means as rows, and how many samples make one.
+def averaged(problem: Problem) -> tuple[Problem, int]:
+    """The problem of a force with block means as rows, and how many samples make one.
 
     Blocks are as long as leaves 2.5 rows to a period of the cut-off, shorter where that would leave
     fewer than FEWEST_ROWS, and longer where there would be more than MOST_ROWS. The mean of a
@@ -97,6 +98,8 @@ def averaged(problem: Problem, derivatives: Derivatives) -> tuple[Problem, int]:
     term adds (the parallel filter of Gautier, Janot and Vandanjon, IEEE Trans. Control Syst.
     Technol. 21 (2013) 428). A block counts as fitted where all its samples do.
     """
+    derivatives = problem.derivatives
+    assert derivatives is not None
     last = int(np.flatnonzero(problem.train)[-1]) + 1
     by_cutoff = int(derivatives.rate_hz / (ROWS_A_PERIOD * derivatives.cutoff_hz))
     roomy = int(problem.train.sum()) // FEWEST_ROWS

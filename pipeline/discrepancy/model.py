@@ -28,7 +28,8 @@ class CorrectedModel:
     drive: channel whose samples drive the mechanism: a command, or, where not `static`, the
     simulation of the measurement. covariance: of gain, offset, bends and all term parameters in
     their order. noise: of one measured sample. force: whether a force against the motion of `drive`
-    is measured; simulated: whether a simulation says part of it.
+    is measured; simulated: whether a simulation says part of it; delay_s: how much later than its
+    motion it is recorded.
     """
 
     measurement: str
@@ -41,6 +42,7 @@ class CorrectedModel:
     covariance: np.ndarray
     force: bool = False
     simulated: bool = True
+    delay_s: float = 0.0
 
     def predict(self, motion: Motion) -> tuple[np.ndarray, np.ndarray]:
         """Expected measurement and its standard deviation, each (n,), from the motion alone.
@@ -104,6 +106,7 @@ def as_json(model: CorrectedModel) -> dict[str, Any]:
         "radian": model.radian,
         "force": model.force,
         "simulated": model.simulated,
+        "delay_s": model.delay_s,
         "curve": curve,
         "gain": m.gain,
         "offset": m.offset,
@@ -144,7 +147,7 @@ def from_json(entry: Mapping[str, Any], others: list[str]) -> CorrectedModel:
         return CorrectedModel(
             entry["measurement"], entry["unit"], entry["drive"], entry["static"], entry["radian"],
             mechanism, NoiseModel(**entry["noise"]), np.array(entry["covariance"], dtype=float),
-            entry.get("force", False), entry.get("simulated", True),
+            entry.get("force", False), entry.get("simulated", True), entry.get("delay_s", 0.0),
         )  # fmt: skip
     except (KeyError, TypeError, ValueError) as problem:
         raise ModelError(

@@ -22,6 +22,15 @@ MIXED = 0.05
 MOST_KEPT = 500
 
 
+@dataclass(frozen=True)
+class Delay:
+    """measured(t) = force(t - value) [s] with its 95 % interval; negative where the force leads."""
+
+    value: float = 0.0
+    low: float = 0.0
+    high: float = 0.0
+
+
 class DiagnosisError(LoopgapError):
     """A recording can't be diagnosed."""
 
@@ -76,7 +85,7 @@ class Problem:
     simulated: the simulation as it came. curve: of the drive, see `static`. train, heldout: masks
     that part the measured rows; `train` is all that fit, noise and choice may look at. averaged:
     the samples behind rows that are block means. derivatives: of the position that a force is
-    measured against.
+    measured against. delay: by how much that force was recorded later than its motion.
     """
 
     motion: Motion
@@ -91,6 +100,7 @@ class Problem:
     static: bool
     averaged: Averaged | None = None
     derivatives: Derivatives | None = None
+    delay: Delay = Delay()
 
     @property
     def cycle(self) -> np.ndarray:

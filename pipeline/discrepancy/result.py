@@ -61,10 +61,15 @@ class Location:
 
 @dataclass(frozen=True)
 class Calibration:
-    """measurement = gain * mechanism + offset [unit]; always fitted, named by nobody."""
+    """measurement = gain * mechanism + offset [unit]; always fitted, named by nobody.
+
+    delay_s: by how much a force was recorded later than its motion; None where no force is measured
+    against a motion.
+    """
 
     gain: float
     offset: float
+    delay_s: float | None = None
 
 
 @dataclass(frozen=True)
@@ -167,4 +172,7 @@ class DiagnosisResult:
 def as_json(diagnoses: tuple[Diagnosis, ...]) -> Mapping[str, Any]:
     """The content of diagnosis.json (the notes belong to the report)."""
     entries = [{k: v for k, v in asdict(d).items() if k != "notes"} for d in diagnoses]
+    for entry in entries:
+        if entry["calibration"]["delay_s"] is None:
+            del entry["calibration"]["delay_s"]
     return {"schema": SCHEMA, "measurements": entries}

@@ -89,6 +89,7 @@ def richer(term: Term) -> tuple[Term, ...]:
         ("response_lag", "first"): (ResponseLag("second"),),
         ("coulomb_friction", ""): (CoulombFriction("asymmetric"), CoulombFriction("spread")),
         ("coulomb_friction", "asymmetric"): (CoulombFriction("asymmetric spread"),),
+        ("coulomb_friction", "spread"): (CoulombFriction("asymmetric spread"),),
         ("viscous_friction", ""): (ViscousFriction("asymmetric"),),
         ("stribeck_friction", ""): (StribeckFriction("asymmetric"),),
         ("stiffness", ""): (Stiffness("asymmetric"), Stiffness("hardening")),

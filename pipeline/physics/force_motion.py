@@ -35,7 +35,8 @@ def force_motion(
 ) -> tuple[Motion, Derivatives]:
     """The motion of the command `position` with its derivatives, see `differentiate`.
 
-    simulated: (n,) force of the simulation, empty where it says nothing of a row (0 then).
+    simulated: (n,) force of the simulation; where it says nothing of a row, a line between its
+    neighbours stands (0 where it says nothing at all).
     """
     time_s = recording.values("time_s")
     try:
@@ -51,6 +52,11 @@ def force_motion(
         time_s=time_s,
         cycle=recording.values("cycle").astype(np.int64),
         radian=1.0,
-        kinetics=Kinetics(found.velocity, found.acceleration, np.nan_to_num(simulated)),
+        kinetics=Kinetics(found.velocity, found.acceleration, _whole(simulated)),
     )
     return motion, found
+
+
+def _whole(simulated: np.ndarray) -> np.ndarray:
+    rows, said = np.arange(len(simulated)), np.isfinite(simulated)
+    return np.interp(rows, rows[said], simulated[said]) if said.any() else np.zeros(len(rows))

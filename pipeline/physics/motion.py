@@ -5,6 +5,8 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from pipeline.physics.delay import delayed
+
 
 @dataclass(frozen=True)
 class Kinetics:
@@ -46,6 +48,21 @@ class Motion:
 
     def __len__(self) -> int:
         return len(self.drive)
+
+    def delayed(self, delay_s: float) -> "Motion":
+        """The same times, at each of which the motion is what it was `delay_s` before."""
+        if delay_s == 0.0:
+            return self
+
+        def before(values: np.ndarray) -> np.ndarray:
+            return delayed(self.time_s, values, delay_s)
+
+        kinetics = self.kinetics
+        if kinetics is not None:
+            columns = kinetics.velocity, kinetics.acceleration, kinetics.simulated
+            kinetics = Kinetics(*(before(column) for column in columns))
+        others = {name: before(values) for name, values in self.others.items()}
+        return replace(self, drive=before(self.drive), others=others, kinetics=kinetics)
 
     def rows(self, part: slice | np.ndarray) -> "Motion":
         """The same motion over some of its samples (a slice or indices)."""

@@ -1,5 +1,7 @@
 """Baselines: what models without a mechanism reach on the rows that a diagnosis holds out."""
 
+from functools import partial
+
 import numpy as np
 import pandas as pd
 
@@ -7,6 +9,7 @@ from pipeline.config import DiagnosisConfig
 from pipeline.discrepancy.problem import Problem, pose_problem
 from pipeline.models.baselines import MODELS, Predict, linear, offset_and_gain, strongest_first
 from pipeline.recording import Recording
+from pipeline.stages.comparison import comparison
 from pipeline.stages.diagnosis import simulated
 
 AS_IT_CAME, REFITTED = "simulation as it came", "offset and gain"
@@ -19,14 +22,17 @@ def compare(config: DiagnosisConfig, recording: Recording) -> pd.DataFrame:
     All are fitted to the rows that the diagnosis may fit to, outliers among them, and judged on
     the rows that it holds out. Every measurement needs its simulation channel.
     """
-    rows = []
+    tables = []
     for channel in recording.with_role("measurement"):
         problem = pose_problem(config, recording, channel.name, simulated(recording, channel.name))
-        for name, answer in answers(problem, recording):
-            train, heldout = root_means(problem, answer)
-            rows.append((channel.name, name, train, heldout, channel.unit))
-    columns = ["measurement", "model", "train RMSE", "held-out RMSE", "unit"]
-    return pd.DataFrame(rows, columns=columns)
+        judged = {
+            "train RMSE": partial(root_mean_square, problem, problem.train),
+            "held-out RMSE": partial(root_mean_square, problem, problem.heldout),
+        }
+        table = comparison(answers(problem, recording), judged)
+        table.insert(0, "measurement", channel.name)
+        tables.append(table.assign(unit=channel.unit))
+    return pd.concat(tables, ignore_index=True)
 
 
 def answers(problem: Problem, recording: Recording) -> list[tuple[str, np.ndarray]]:
@@ -46,7 +52,6 @@ def answers(problem: Problem, recording: Recording) -> list[tuple[str, np.ndarra
     return out
 
 
-def root_means(problem: Problem, answer: np.ndarray) -> tuple[float, float]:
-    """Root mean square error on the rows to fit on and on the held-out ones."""
-    square = (problem.measured - answer) ** 2
-    return tuple(float(np.sqrt(np.mean(square[r]))) for r in (problem.train, problem.heldout))  # type: ignore[return-value]
+def root_mean_square(problem: Problem, rows: np.ndarray, answer: np.ndarray) -> float:
+    """Root mean square error of an answer (n,) over some rows, a mask (n,)."""
+    return float(np.sqrt(np.mean((problem.measured - answer)[rows] ** 2)))

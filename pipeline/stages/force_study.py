@@ -1,6 +1,7 @@
 """A study of force against motion: how far the diagnosis and simpler laws are off, in one table."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
@@ -13,6 +14,7 @@ from pipeline.models.force_laws import LAWS, Features, stops_of, symmetric_weigh
 from pipeline.physics.force_motion import force_motion
 from pipeline.physics.motion import Motion
 from pipeline.recording import Recording
+from pipeline.stages.comparison import comparison
 from pipeline.stages.prediction import motion_for
 
 DECIMATION = 10
@@ -46,32 +48,34 @@ def errors_table(
     """Relative error [%] of the diagnosis and of each law: fitted recording, its held-out cycles,
     another recording.
 
-    Laws are fitted to the rows that the diagnosis was, as means over ten samples.
+    Laws are fitted to the rows that the diagnosis was, as means over ten samples; they know of no
+    delay.
     """
     name = model.measurement
-    motions = [motion_for(model, r, cutoff_hz) for r in (fitted, other)]
-    forces = [r.values(name) for r in (fitted, other)]
+    recordings = (fitted, other)
+    diagnosed = [model.mechanism.respond(motion_for(model, r, cutoff_hz))[0] for r in recordings]
+    motions = [motion_for(replace(model, delay_s=0.0), r, cutoff_hz) for r in recordings]
+    forces = [r.values(name) for r in recordings]
     span = float(np.ptp(motions[0].drive))
     blocks = Averaged(motions[0], DECIMATION)
     rows = blocks.mean(evidence.train.astype(float)) == 1.0
     learnt = _features(motions[0], span, blocks, rows)
     force = blocks.mean(forces[0])[rows]
     whole = [_features(m, span) for m in motions]
-    answers = {DIAGNOSED: [model.mechanism.respond(m)[0] for m in motions]}
+    answers = {DIAGNOSED: diagnosed}
     for law, fit in LAWS.items():
         answer = fit(learnt, force)
         answers[law] = [answer(f) for f in whole]
-    everything = [np.ones(len(f), dtype=bool) for f in forces]
-    table = [
-        {
-            "model": law,
-            "fitted recording (%)": relative_error(forces[0], said[0], everything[0]),
-            "its held-out cycles (%)": relative_error(forces[0], said[0], evidence.heldout),
-            "other recording (%)": relative_error(forces[1], said[1], everything[1]),
-        }
-        for law, said in answers.items()
-    ]
-    return pd.DataFrame(table)
+    masks = {
+        "fitted recording (%)": (0, np.ones(len(forces[0]), dtype=bool)),
+        "its held-out cycles (%)": (0, evidence.heldout),
+        "other recording (%)": (1, np.ones(len(forces[1]), dtype=bool)),
+    }
+
+    def judge(place: int, wanted: np.ndarray) -> Callable[[list[np.ndarray]], float]:
+        return lambda said: relative_error(forces[place], said[place], wanted)
+
+    return comparison(answers.items(), {name: judge(*where) for name, where in masks.items()})
 
 
 def parameters_table(
@@ -100,6 +104,8 @@ def parameters_table(
     )
     moved = [g * mass + e for g, e in zip(gain, extra[:3], strict=True)]
     found = {"inertia.mass": (*moved, extra[3]), **found, "offset": (*offset, diagnosis.unit)}
+    delay = diagnosis.calibration.delay_s
+    found["delay"] = (np.nan if delay is None else delay, np.nan, np.nan, "s")
     name = diagnosis.measurement
     motion = force_motion(fitted, evidence.drive, np.zeros(len(fitted.samples)), cutoff_hz)[0]
     blocks = Averaged(motion, DECIMATION)

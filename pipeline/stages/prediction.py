@@ -45,7 +45,8 @@ def motion_for(
         )  # fmt: skip
     if model.force:
         simulated = _simulated(model, recording) if model.simulated else np.zeros(len(own))
-        return force_motion(recording, model.drive, simulated, cutoff_hz)[0]
+        motion = force_motion(recording, model.drive, simulated, cutoff_hz)[0]
+        return motion.delayed(model.delay_s)
     return Motion(
         drive=np.ascontiguousarray(own, dtype=float),
         time_s=recording.values("time_s"),

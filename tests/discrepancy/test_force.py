@@ -1,12 +1,15 @@
 """Force against motion: recovery with noise and directions, honesty, prediction, detection."""
 
+import json
 from dataclasses import replace
 
 import numpy as np
 import pandas as pd
 import pytest
+from scipy.interpolate import CubicSpline
 
 from pipeline.config import Config, DiagnosisConfig, SimulationConfig
+from pipeline.discrepancy.model import as_json, from_json
 from pipeline.errors import UsageError
 from pipeline.physics.force_motion import position_of
 from pipeline.recording import Channel, Recording, with_context
@@ -53,9 +56,12 @@ def damper():
     v = np.gradient(x, t)
     force = dahl(t, x, 30.0, 4e-4, 0.2) + 80.0 * v * (1.0 - 0.15 * np.sign(v))
     measured = force + rng.normal(0.0, 0.5, len(t))
+    return diagnose(DiagnosisConfig(), seen_in_steps(x, measured))
+
+
+def seen_in_steps(x, measured):
     seen = np.round(x / 2e-6) * 2e-6
-    plain = simulate(SimulationConfig("mechanism"), recording(seen, measured))
-    return diagnose(DiagnosisConfig(), plain)
+    return simulate(SimulationConfig("mechanism"), recording(seen, measured))
 
 
 def parameters(diagnosis):
@@ -93,6 +99,32 @@ def test_its_model_predicts_a_motion_that_it_has_not_seen(damper):
     # Dahl's small loops do not close, those of a bank of sliders do: 3 % of the force.
     assert np.sqrt(np.mean(off[20:] ** 2)) < 0.04 * np.sqrt(np.mean(force**2))
     assert np.all(said["force_n_std"] > 0.3)
+
+
+def test_a_force_that_stands_with_its_motion_has_no_delay(damper):
+    assert damper.diagnoses[0].calibration.delay_s == 0.0
+    assert damper.models[0].delay_s == 0.0
+
+
+@pytest.mark.parametrize("samples", [0.5, -0.5])
+def test_a_force_recorded_beside_its_motion_is_moved_there(samples):
+    """The damper again, its force recorded half a sample after or before its motion."""
+    t, x, rng = motion()
+    delay_s = samples / RATE
+    path = CubicSpline(t, x)
+    then, v = path(t - delay_s), path.derivative()(t - delay_s)
+    force = dahl(t, then, 30.0, 4e-4, 0.2) + 80.0 * v * (1.0 - 0.15 * np.sign(v))
+    found = diagnose(DiagnosisConfig(), seen_in_steps(x, force + rng.normal(0.0, 0.5, len(t))))
+    diagnosis = found.diagnoses[0]
+    assert diagnosis.verdict == "explained"
+    assert diagnosis.calibration.delay_s == pytest.approx(delay_s, abs=0.1 / RATE)
+    assert parameters(diagnosis)["coulomb_friction.asymmetry"].value == pytest.approx(0.2, abs=0.02)
+    assert diagnosis.after.heldout_rmse < 0.65
+    assert any("recorded 2." in note for note in diagnosis.notes)
+    stored = json.loads(json.dumps(as_json(found.models[0])))
+    said = predict([from_json(stored, [])], recording(x, np.full(len(t), np.nan)))
+    off = said["force_n_predicted"].to_numpy() - force
+    assert np.sqrt(np.mean(off[20:] ** 2)) < 0.5
 
 
 def test_its_notes_say_how_it_was_differentiated_and_that_nothing_was_simulated(damper):
