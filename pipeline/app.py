@@ -15,7 +15,6 @@ from omegaconf import DictConfig, OmegaConf
 from omegaconf.errors import OmegaConfBaseException
 
 from pipeline import quick_compose
-from pipeline.collecting import conclude
 from pipeline.config import CONF, Config, check_config, register_schemas
 from pipeline.config_errors import explain
 from pipeline.errors import LoopgapError, UsageError, refusal
@@ -54,6 +53,8 @@ def run_command_line() -> int:
 
 
 def _run_sweep(sweep: Sweep) -> int:
+    from pipeline.collecting import conclude  # it loads what only a sweep's end needs
+
     if not any(a.startswith(SWEEP_DIR) for a in sys.argv):
         sys.argv.append(f"{SWEEP_DIR}{sweep.folder}")
     print(f"{sweep.jobs} jobs; should it be stopped, this goes on:\n"

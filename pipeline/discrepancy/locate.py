@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import f as f_distribution
+from scipy.special import fdtrc
 
 from pipeline.discrepancy import coordinates as along
 from pipeline.discrepancy.coordinates import Ground, ground_of
@@ -234,7 +234,7 @@ def f_test(values: np.ndarray, basis: np.ndarray, sigma: float, freedom: int) ->
         return 1.0
     explained = basis.T @ values
     ratio = float(explained @ explained) / count / sigma**2
-    return max(float(f_distribution.sf(ratio, count, freedom)), LEAST_P)
+    return max(float(fdtrc(count, freedom, ratio)), LEAST_P)
 
 
 def _time_test(

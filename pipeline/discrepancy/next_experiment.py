@@ -6,7 +6,7 @@ from itertools import combinations
 
 import numpy as np
 import pandas as pd
-from scipy.stats import norm
+from scipy.special import ndtr
 
 from pipeline.discrepancy.blocks import Block, Habit, blocks, exploring, habit_of
 from pipeline.discrepancy.noise import NoiseModel
@@ -230,7 +230,7 @@ def power_of(distance: float) -> float:
     """Chance that a log likelihood ratio N(D^2 / 2, D^2) exceeds what decides."""
     if distance <= 0.0:
         return 0.0
-    return float(norm.cdf(0.5 * distance - DECISIVE / distance))
+    return float(ndtr(0.5 * distance - DECISIVE / distance))
 
 
 def slopes_of(mechanism: Mechanism, motion: Motion) -> np.ndarray:

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import chi2
+from scipy.special import chdtrc
 
 from pipeline.discrepancy.choose import Choice
 from pipeline.discrepancy.fit import Fit, evaluate
@@ -49,7 +49,7 @@ def structured_rest(choice: Choice, family: NoiseFamily) -> list[Rest]:
         gain = max(cost - better, 0.0)
         count = ground.count / ground.noise.spell
         size = ground.noise.deviation * float(np.sqrt(max(gain - freedom, 0.0) / count))
-        out.append(Rest(where, gain, freedom, float(chi2.sf(gain, freedom)), size))
+        out.append(Rest(where, gain, freedom, float(chdtrc(freedom, gain)), size))
     return sorted(out, key=lambda r: r.p_value)
 
 

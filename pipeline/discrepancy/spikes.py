@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import norm
+from scipy.special import ndtr
 
 APART_DEVIATIONS = 7.0
 NEIGHBOURS = 3
@@ -46,4 +46,4 @@ def lone_spikes(values: np.ndarray) -> Spikes:
     if scale <= 0.0 or not np.any(lone) or np.mean(lone) > LARGEST_SHARE:
         return nothing
     deviations = float(np.max(np.abs(height))) / scale
-    return Spikes(lone, height, float(min(1.0, 2.0 * len(values) * norm.sf(deviations))))
+    return Spikes(lone, height, float(min(1.0, 2.0 * len(values) * ndtr(-deviations))))

@@ -11,8 +11,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from sklearn.exceptions import ConvergenceWarning
-from sklearn.mixture import GaussianMixture
 from threadpoolctl import threadpool_limits
 
 from pipeline.config import TrainingConfig
@@ -71,6 +69,9 @@ class MixtureRegression:
         MixtureError if fewer than three samples a component are left, or if the command stands
         still.
         """
+        from sklearn.exceptions import ConvergenceWarning  # half a second: only who fits waits
+        from sklearn.mixture import GaussianMixture
+
         points = np.column_stack([command_deg, angle_deg]).astype(float)
         measured = np.isfinite(points).all(axis=1)
         points, left_out = points[measured], int(np.count_nonzero(~measured))

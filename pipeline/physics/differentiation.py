@@ -5,7 +5,6 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.interpolate import CubicSpline
 from scipy.ndimage import median_filter
-from scipy.signal import butter, sosfiltfilt, welch
 
 ORDER = 4
 UNEVEN = 0.01
@@ -76,6 +75,8 @@ def differentiate(
 
 def low_passed(values: np.ndarray, cutoff: float) -> np.ndarray:
     """A zero-phase low-pass of evenly spaced values (n,); cutoff in periods a sample."""
+    from scipy.signal import butter, sosfiltfilt  # 0.6 s: only forces wait for it
+
     sections = butter(ORDER, 2.0 * cutoff, output="sos")
     pad = min(int(PAD_PERIODS / cutoff), len(values) - 1)
     return np.asarray(sosfiltfilt(sections, values, padlen=pad))
@@ -89,6 +90,8 @@ def cutoff_of(position: np.ndarray, rate_hz: float) -> float:
     but a thousandth of the position's variance. It is smoothed by a running median, so that a line
     does not count.
     """
+    from scipy.signal import welch
+
     if len(position) < FEWEST_SAMPLES:
         return rate_hz
     bend = np.diff(position, 2)
