@@ -11,18 +11,16 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
-import cv2
 import numpy as np
 import pandas as pd
 import rerun as rr
 import rerun.blueprint as rrb
 
 from pipeline.recording import Recording
+from pipeline.tracking.thumbnail import small_jpeg
 
 APPLICATION = "loopgap"
 TIMELINE = "time"
-FRAME_WIDTH_PX = 640
-FRAME_QUALITY = 80
 FRAMES_AT_MOST = 1000
 FRAMES_A_CHUNK = 50
 ROOM_FOR_LEGEND = 1.35
@@ -285,7 +283,7 @@ def _log_frames(
     with ThreadPoolExecutor(2) as pool:
         for begin in range(0, len(rows), FRAMES_A_CHUNK):
             chunk = rows[begin : begin + FRAMES_A_CHUNK]
-            small = pool.map(_small_jpeg, map(review.read_frame, chunk))
+            small = pool.map(small_jpeg, map(review.read_frame, chunk))
             seen = [(row, *frame) for row, frame in zip(chunk, small, strict=True) if frame]
             if not seen:
                 continue
@@ -299,22 +297,6 @@ def _log_frames(
             )
     if len(review.markers):
         _log_markers(stream, axis, review.markers.iloc[rows], time_s[rows], shrink)
-
-
-def _small_jpeg(frame: bytes | None) -> tuple[bytes, int] | None:
-    """A frame as a small JPEG, and by what it was shrunk; None if there is no readable frame."""
-    data = np.frombuffer(frame or b"", np.uint8)
-    image = cv2.imdecode(data, cv2.IMREAD_REDUCED_COLOR_2) if data.size else None
-    if image is None:
-        return None
-    shrink = 2
-    while image.shape[1] > FRAME_WIDTH_PX:
-        image = cv2.resize(image, None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA)
-        shrink *= 2
-    if shrink == 2 and 2 * image.shape[1] <= FRAME_WIDTH_PX:
-        return bytes(data), 1
-    _, jpeg = cv2.imencode(".jpg", image, [cv2.IMWRITE_JPEG_QUALITY, FRAME_QUALITY])
-    return jpeg.tobytes(), shrink
 
 
 def _log_markers(

@@ -15,7 +15,8 @@ from rerun.chunk import RrdReader
 
 from pipeline.recording import Channel, Recording
 from pipeline.tracking.figures import loop_picture
-from pipeline.tracking.review import FRAME_WIDTH_PX, AxisReview, write_review
+from pipeline.tracking.review import AxisReview, write_review
+from pipeline.tracking.thumbnail import WIDTH_PX
 
 STEPS = 40
 WIDTH, HEIGHT = 1008, 756
@@ -124,7 +125,7 @@ def test_frames_are_small_and_markers_lie_on_them(review: Path) -> None:
     blobs = column(review, "/yaw/camera/frame", "EncodedImage:blob")
     assert len(blobs) == STEPS - 1  # one was no image
     image = cv2.imdecode(np.asarray(blobs.iloc[0][0], np.uint8), cv2.IMREAD_COLOR)
-    assert image.shape[1] == WIDTH // 2 <= FRAME_WIDTH_PX
+    assert image.shape[1] == WIDTH // 2 <= WIDTH_PX
     points = column(review, "/yaw/camera/green_marker", "Points2D:positions")
     points = points[points.notna()]
     x, y = points.iloc[0][0]
