@@ -87,11 +87,16 @@ def richer(term: Term) -> tuple[Term, ...]:
         ("contact", "lower"): (Contact("lower unloading"),),
         ("frame_lag", "time"): (FrameLag("frames"),),
         ("response_lag", "first"): (ResponseLag("second"),),
-        ("coulomb_friction", ""): (CoulombFriction("asymmetric"), CoulombFriction("spread")),
+        ("coulomb_friction", ""): (
+            CoulombFriction("asymmetric"),
+            CoulombFriction("spread"),
+            CoulombFriction("smoothed"),
+        ),
+        ("coulomb_friction", "smoothed"): (CoulombFriction("smoothed asymmetric"),),
         ("coulomb_friction", "asymmetric"): (CoulombFriction("asymmetric spread"),),
         ("coulomb_friction", "spread"): (CoulombFriction("asymmetric spread"),),
         ("viscous_friction", ""): (ViscousFriction("asymmetric"),),
-        ("stribeck_friction", ""): (StribeckFriction("asymmetric"),),
+        ("stribeck_friction", ""): (StribeckFriction("asymmetric"), StribeckFriction("smoothed")),
         ("stiffness", ""): (Stiffness("asymmetric"), Stiffness("hardening")),
     }
     if isinstance(term, Coupling) and not term.plays:

@@ -9,6 +9,7 @@ from pipeline.physics.term import Parameter, Surroundings
 
 LEAST_REACH = 1e-6
 REACHES = (5e-6, 5e-5, 3e-4, 2e-3, 0.01, 0.03, 0.1, 0.3)
+ONSETS = (1e-3, 4e-3, 0.015, 0.06)
 
 
 def reach_of(around: Surroundings) -> Parameter:
@@ -18,19 +19,30 @@ def reach_of(around: Surroundings) -> Parameter:
                      relative=True)  # fmt: skip
 
 
+def onset_of(around: Surroundings) -> Parameter:
+    """The speed from which on a dry contact without pre-sliding resists in full."""
+    top = max(around.top_speed, 1e-12)
+    return Parameter("onset", f"{around.drive_unit}/s", 1e-5 * top, 0.5 * top, 0.01 * top, 0.0,
+                     relative=True)  # fmt: skip
+
+
 class CoulombFriction(ForceTerm):
     """F = force * z, where z goes from -1 to 1 over the pre-sliding travel (`pre_sliding.py`).
 
     Forms: "" turns round as Dahl's curve does (spread 1); "asymmetric" with force (1 + asymmetry)
     rising and (1 - asymmetry) falling; "spread" with the shape of the turn free; "asymmetric
-    spread" with both. Source: Coulomb (1785); Dahl, AIAA J. 14 (1976) 1675, and `pre_sliding.py`.
+    spread" with both. In "smoothed" and "smoothed asymmetric" z = tanh(v / onset): no pre-sliding,
+    but resistance that grows with the speed until it is full. Source: Coulomb (1785); Dahl, AIAA J.
+    14 (1976) 1675, and `pre_sliding.py`; Andersson, Soderberg and Bjorklund, Tribol. Int. 40
+    (2007) 580 (smoothed).
     """
 
     name = "coulomb_friction"
     says = "Dry friction holds back by {force} at any speed, and turns round over {reach}."
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
-        own = (size("force", around.angle_unit, 2.0 * around.angle_span, around), reach_of(around))
+        turn = onset_of(around) if "smoothed" in self.form else reach_of(around)
+        own = (size("force", around.angle_unit, 2.0 * around.angle_span, around), turn)
         asymmetry = (ASYMMETRY,) if "asymmetric" in self.form else ()
         spread = (Parameter("spread", "", 0.0, 1.0, 0.7, 0.0),) if "spread" in self.form else ()
         return (*own, *asymmetry, *spread)
@@ -38,17 +50,24 @@ class CoulombFriction(ForceTerm):
     def force(
         self, motion: Motion, kinetics: Kinetics, values: np.ndarray, state: np.ndarray | None
     ) -> tuple[np.ndarray, np.ndarray | None]:
-        spread = float(values[-1]) if "spread" in self.form else 1.0
         asymmetry = float(values[2]) if "asymmetric" in self.form else 0.0
+        if "smoothed" in self.form:
+            return values[0] * weighted(np.tanh(kinetics.velocity / values[1]), asymmetry), None
+        spread = float(values[-1]) if "spread" in self.form else 1.0
         share, state = sliding(motion.drive, float(values[1]), spread, state)
         return values[0] * weighted(share, asymmetry), state
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
         own = [p.start for p in self.parameters(around)]
-        return np.array([[own[0], r * around.drive_span, *own[2:]] for r in REACHES])
+        turns = [r * around.drive_span for r in REACHES]
+        if "smoothed" in self.form:
+            turns = [o * max(around.top_speed, 1e-12) for o in ONSETS]
+        return np.array([[own[0], turn, *own[2:]] for turn in turns])
 
     def sentence(self, values: np.ndarray, around: Surroundings) -> str:
         asymmetry = float(values[2]) if "asymmetric" in self.form else 0.0
         ways = both_ways(float(values[0]), asymmetry, around.angle_unit)
         reach = f"{values[1]:.3g} {around.drive_unit}"
+        if "smoothed" in self.form:
+            return f"Dry friction holds back by {ways} at any speed beyond about {reach}/s."
         return f"Dry friction holds back by {ways} at any speed, and turns round over {reach}."

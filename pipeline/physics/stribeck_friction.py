@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from pipeline.physics.coulomb_friction import reach_of
+from pipeline.physics.coulomb_friction import ONSETS, onset_of, reach_of
 from pipeline.physics.force_term import ASYMMETRY, ForceTerm
 from pipeline.physics.motion import Kinetics, Motion
 from pipeline.physics.pre_sliding import sliding, weighted
@@ -16,8 +16,9 @@ class StribeckFriction(ForceTerm):
     """F = force * z * exp(-(v / speed)^2): what a slow contact holds beyond a fast one.
 
     z goes from -1 to 1 over the pre-sliding travel (`pre_sliding.py`, Dahl's curve). Form
-    "asymmetric": force (1 + asymmetry) rising, (1 - asymmetry) falling. Source: Stribeck (1902);
-    Armstrong-Helouvry, Dupont and Canudas de Wit, Automatica 30 (1994) 1083.
+    "asymmetric": force (1 + asymmetry) rising, (1 - asymmetry) falling; form "smoothed": z =
+    tanh(v / onset), without pre-sliding. Source: Stribeck (1902); Armstrong-Helouvry, Dupont and
+    Canudas de Wit, Automatica 30 (1994) 1083.
     """
 
     name = "stribeck_friction"
@@ -30,24 +31,23 @@ class StribeckFriction(ForceTerm):
         own = (
             Parameter("force", around.angle_unit, 0.0, 2.0 * span, 0.05 * span, 0.1 * span),
             Parameter("speed", unit, 1e-3 * top, 0.3 * top, 0.1 * top, 0.0, relative=True),
-            reach_of(around),
+            onset_of(around) if self.form == "smoothed" else reach_of(around),
         )
         return (*own, ASYMMETRY) if self.form == "asymmetric" else own
 
     def force(
         self, motion: Motion, kinetics: Kinetics, values: np.ndarray, state: np.ndarray | None
     ) -> tuple[np.ndarray, np.ndarray | None]:
+        fallen = np.exp(-((kinetics.velocity / values[1]) ** 2))
+        if self.form == "smoothed":
+            return values[0] * np.tanh(kinetics.velocity / values[2]) * fallen, None
         share, state = sliding(motion.drive, float(values[2]), 1.0, state)
         asymmetry = float(values[3]) if len(values) > 3 else 0.0
-        fallen = np.exp(-((kinetics.velocity / values[1]) ** 2))
         return values[0] * weighted(share, asymmetry) * fallen, state
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
         own = [p.start for p in self.parameters(around)]
-        return np.array(
-            [
-                [own[0], s * around.top_speed, r * around.drive_span, *own[3:]]
-                for s in SPEEDS
-                for r in REACHES
-            ]
-        )
+        turns = [r * around.drive_span for r in REACHES]
+        if self.form == "smoothed":
+            turns = [o * max(around.top_speed, 1e-12) for o in ONSETS]
+        return np.array([[own[0], s * around.top_speed, t, *own[3:]] for s in SPEEDS for t in turns])

@@ -77,6 +77,22 @@ def test_dry_friction_remembers_small_loops():
     assert force[100 + 19] < force[100] - 1.0
 
 
+def test_smoothed_friction_knows_the_speed_alone():
+    m = swing()
+    v = m.kinetics.velocity
+    np.testing.assert_allclose(
+        answer("coulomb_friction", "smoothed", [10.0, 0.02], m), 10.0 * np.tanh(v / 0.02)
+    )
+    both = np.where(v > 0, 12.0, 8.0) * np.tanh(v / 0.02)
+    np.testing.assert_allclose(
+        answer("coulomb_friction", "smoothed asymmetric", [10.0, 0.02, 0.2], m), both
+    )
+    np.testing.assert_allclose(
+        answer("stribeck_friction", "smoothed", [4.0, 0.1, 0.02], m),
+        4.0 * np.tanh(v / 0.02) * np.exp(-((v / 0.1) ** 2)),
+    )
+
+
 def test_stribeck_is_gone_at_speed_and_whole_at_rest():
     m = swing()
     force = answer("stribeck_friction", "", [5.0, 0.05, 1e-5], m)
