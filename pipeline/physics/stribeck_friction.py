@@ -50,4 +50,5 @@ class StribeckFriction(ForceTerm):
         turns = [r * around.drive_span for r in REACHES]
         if self.form == "smoothed":
             turns = [o * max(around.top_speed, 1e-12) for o in ONSETS]
-        return np.array([[own[0], s * around.top_speed, t, *own[3:]] for s in SPEEDS for t in turns])
+        speeds = [s * around.top_speed for s in SPEEDS]
+        return np.array([[own[0], speed, t, *own[3:]] for speed in speeds for t in turns])

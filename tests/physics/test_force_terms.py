@@ -81,15 +81,18 @@ def test_smoothed_friction_knows_the_speed_alone():
     m = swing()
     v = m.kinetics.velocity
     np.testing.assert_allclose(
-        answer("coulomb_friction", "smoothed", [10.0, 0.02], m), 10.0 * np.tanh(v / 0.02)
+        answer("coulomb_friction", "smoothed", [10.0, 0.02], m),
+        10.0 * np.tanh(v / 0.02),
+        atol=1e-9,
     )
     both = np.where(v > 0, 12.0, 8.0) * np.tanh(v / 0.02)
     np.testing.assert_allclose(
-        answer("coulomb_friction", "smoothed asymmetric", [10.0, 0.02, 0.2], m), both
+        answer("coulomb_friction", "smoothed asymmetric", [10.0, 0.02, 0.2], m), both, atol=1e-9
     )
     np.testing.assert_allclose(
         answer("stribeck_friction", "smoothed", [4.0, 0.1, 0.02], m),
         4.0 * np.tanh(v / 0.02) * np.exp(-((v / 0.1) ** 2)),
+        atol=1e-9,
     )
 
 
