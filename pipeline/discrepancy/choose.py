@@ -176,7 +176,7 @@ def extended(
     slow = [t for t in terms if t.name in SLOW]
     if wanders(parent.place) and slow:
         still = search.stilled(parent.fit, parent.place, 4)[0]
-        for few in by_term(screen(still, search.effects, slow))[:2]:
+        for few in by_term(screen(still, search.effects, slow)):
             trials.append(improve(started(still, few), 3))
     fits = [settle_moments(improve(trial, 8)) for trial in trials]
     return [search.weighed(fit, parent.place) for fit in fits]

@@ -25,7 +25,7 @@ class NoiseFamily:
     """Noises of unit deviation on the rows of one problem; `pick` finds the likeliest.
 
     prior: as learnt. used: (n,) rows that count. shapes: (share of the variance that is correlated,
-    correlation); strain: (shapes,) -2 log of how much worse repeats fit each, at most CAP.
+    correlation); strain: (shapes, walks) -2 log of how much worse repeats fit each, at most CAP.
     still: whether the noise keeps the shape of the first, without jitter or walk.
     """
 
@@ -35,7 +35,7 @@ class NoiseFamily:
     shapes: Sequence[tuple[float, float]]
     strain: np.ndarray
     still: bool = False
-    filters: dict[Place, tuple[np.ndarray, float]] = field(default_factory=dict)
+    filters: dict[Place, tuple[np.ndarray, float, np.ndarray]] = field(default_factory=dict)
 
     @property
     def jitters(self) -> bool:
@@ -50,14 +50,32 @@ class NoiseFamily:
             JITTERS[place[1]], WALKS[place[2]], self.prior.model.spell,
         )  # fmt: skip
 
-    def weigh(self, place: Place, residual: np.ndarray) -> tuple[float, float]:
-        """-2 log posterior at the likeliest scale, and that scale; residual is 0 where not used."""
-        unit = self.unit(place)
+    def filter_at(self, place: Place) -> tuple[np.ndarray, float, np.ndarray]:
+        """Gains, sum of the log variances of the innovations, and a constant whitened to length 1.
+
+        The latter is (used rows,).
+        """
         if place not in self.filters:
+            unit = self.unit(place)
             gains = unit.gains(self.cycle, self.used)
-            self.filters[place] = gains, 2.0 * float(np.sum(np.log(gains[self.used, 3])))
-        gains, log_scales = self.filters[place]
+            level = np.where(self.used, 1.0, 0.0)[:, None]
+            level = whitened(level, gains, unit.correlation, self.cycle)[:, 0]
+            log_scales = 2.0 * float(np.sum(np.log(gains[self.used, 3])))
+            self.filters[place] = gains, log_scales, level / np.sqrt(level @ level)
+        return self.filters[place]
+
+    def weigh(
+        self, place: Place, residual: np.ndarray, level_open: bool = False
+    ) -> tuple[float, float]:
+        """-2 log posterior at the likeliest scale, and that scale; residual is 0 where not used.
+
+        level_open: at the likeliest level of the residual, too: a walk starts from its first rows.
+        """
+        gains, log_scales, level = self.filter_at(place)
+        unit = self.unit(place)
         e = whitened(residual[:, None], gains, unit.correlation, self.cycle)[:, 0]
+        if level_open:
+            e = e - level * (level @ e)
         n = len(e) / unit.spell
         square = float(e @ e)
         sure, learnt = self.prior.sure, np.log(self.prior.model.deviation)
@@ -74,7 +92,11 @@ class NoiseFamily:
         cost += off**2 if off < 2.0 else 4.0 * (off - 1.0)
         walk_cost = WALK_COST if self.prior.repeats > 0 else WALK_UNREPEATED
         cost += JITTER_COST * (place[1] > 0) + walk_cost * (place[2] > 0)
-        return cost + float(self.strain[place[0]]), float(np.exp(log_scale))
+        return cost + self.strained(place), float(np.exp(log_scale))
+
+    def strained(self, place: Place) -> float:
+        """What repeats have against a place."""
+        return float(self.strain[place[0], place[2]])
 
     def pick(self, residual: np.ndarray, start: Place) -> tuple[NoiseModel, Place]:
         """The likeliest noise for a residual (n,), by descent over the grid from a place."""
@@ -84,7 +106,7 @@ class NoiseFamily:
             return self.noise_at(start, self.weigh(start, filled)[1]), start
         begins = {start, (shape, 0, 0), (shape, 0, MIDDLE)}
         begins |= {(shape, MIDDLE, 0)} if self.jitters else set()
-        known = {place: self.weigh(place, filled) for place in begins}
+        known = {place: self.weigh(place, filled, level_open=True) for place in begins}
         best = min(known, key=lambda place: known[place][0])
         while True:
             shape, jitter, walk = best
@@ -94,7 +116,7 @@ class NoiseFamily:
             moves += [(shape, jitter, w) for w in (walk - 1, walk + 1) if 0 <= w < len(WALKS)]
             for move in moves:
                 if move not in known:
-                    known[move] = self.weigh(move, filled)
+                    known[move] = self.weigh(move, filled, level_open=True)
             winner = min(known, key=lambda place: known[place][0])
             if winner == best:
                 break
@@ -110,7 +132,7 @@ class NoiseFamily:
             most = len(JITTERS) if self.jitters else 1
             places |= {(shape, j, w) for j in range(most) for w in range(len(WALKS))}
             places |= {(other, jitter, walk) for other in range(len(self.shapes))}
-        weighed = [(p, *self.weigh(p, filled)) for p in sorted(places)]
+        weighed = [(p, *self.weigh(p, filled, level_open=True)) for p in sorted(places)]
         least = min(cost for _, cost, _ in weighed)
         odds = [float(np.exp(0.5 * (least - cost))) for _, cost, _ in weighed]
         return [
@@ -134,11 +156,12 @@ def noise_family(prior: NoisePrior, cycle: np.ndarray, used: np.ndarray) -> Nois
     """The family round what was learnt from repeats."""
     model = prior.model
     if model.spell > 1.0:
-        return NoiseFamily(prior, cycle, used, ((0.0, 0.0),), np.zeros(1), still=True)
+        strain = np.zeros((1, len(WALKS)))
+        return NoiseFamily(prior, cycle, used, ((0.0, 0.0),), strain, still=True)
     share = model.correlated**2 / max(model.deviation**2, 1e-300)
     shapes = [(float(min(share, 1.0)), model.correlation), *SHAPES]
-    strain = np.zeros(len(shapes))
+    strain = np.zeros((len(shapes), len(WALKS)))
     if prior.series:
-        strain = np.array([prior.strain(*shape) for shape in shapes])
+        strain = np.array([[prior.strain(*shape, walk) for walk in WALKS] for shape in shapes])
         strain = np.minimum(strain - strain.min(), CAP)
     return NoiseFamily(prior, cycle, used, shapes, strain)

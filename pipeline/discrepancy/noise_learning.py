@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy.optimize import minimize
@@ -33,11 +34,18 @@ class NoisePrior:
     series: tuple[np.ndarray, ...]
     finest: float = 1e-9
 
-    def strain(self, share: float, correlation: float) -> float:
-        """-2 log likelihood of the contrasts for a shape of noise, at its likeliest scale."""
-        joined, cycle, used, _ = _joined(self.series)
+    @cached_property
+    def _contrasts(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
+        return _joined(self.series)
+
+    def strain(self, share: float, correlation: float, walk: float) -> float:
+        """-2 log likelihood of the contrasts for a shape of noise, at its likeliest scale.
+
+        walk: of its step, over the deviation.
+        """
+        joined, cycle, used, _ = self._contrasts
         shape = NoiseModel(
-            np.sqrt(max(1.0 - share, 1e-6)), np.sqrt(share), correlation, FREE_LEVEL, 0.0
+            np.sqrt(max(1.0 - share, 1e-6)), np.sqrt(share), correlation, FREE_LEVEL, walk
         )
         gains = shape.gains(cycle, used)
         values = np.where(used, joined, 0.0)[:, None]

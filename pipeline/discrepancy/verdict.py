@@ -7,6 +7,7 @@ import numpy as np
 from pipeline.discrepancy.choose import Choice
 from pipeline.discrepancy.explain import Explanation
 from pipeline.discrepancy.fit import evaluate, improve
+from pipeline.discrepancy.noise_family import WALKS, Place
 from pipeline.discrepancy.rest import structured_rest
 
 CHANCE = 1e-5
@@ -90,18 +91,24 @@ def structure_of(explanation: Explanation, choice: Choice) -> Structure:
 def slow(explanation: Explanation, choice: Choice) -> bool:
     """Whether the residual itself, whatever repeats say, is surely as slow as physics.
 
-    It is where no noise of those that forget sooner comes near the likelihood of the chosen one.
+    It is where no noise of those that forget sooner, with a zero that walks or not, comes near the
+    likelihood of the chosen one.
     """
     ground, family = choice.fit.ground, explanation.search.family
     if ground.noise.correlation <= SLOW:
         return False
     residual = np.where(ground.used, ground.problem.measured - choice.fit.predicted, 0.0)
-    cost = [
-        family.weigh((k, *choice.place[1:]), residual)[0] - family.strain[k]
-        for k in range(len(family.shapes))
+
+    def cost(place: Place) -> float:
+        return family.weigh(place, residual)[0] - family.strained(place)
+
+    sooner = [
+        cost((k, choice.place[1], walk))
+        for k, shape in enumerate(family.shapes)
+        if shape[1] <= SLOW
+        for walk in range(len(WALKS))
     ]
-    sooner = [c for c, shape in zip(cost, family.shapes, strict=True) if shape[1] <= SLOW]
-    return bool(cost[choice.place[0]] < min(sooner, default=np.inf) + 2.0 * np.log(CHANCE))
+    return bool(cost(choice.place) < min(sooner, default=np.inf) + 2.0 * np.log(CHANCE))
 
 
 def mismatch_variance(explanation: Explanation) -> float:

@@ -6,7 +6,8 @@ from scipy.stats import multivariate_normal
 
 from pipeline.config import DiagnosisConfig
 from pipeline.discrepancy.noise import NoiseModel
-from pipeline.discrepancy.noise_learning import fit_noise, learn_noise
+from pipeline.discrepancy.noise_family import WALKS, noise_family
+from pipeline.discrepancy.noise_learning import NoisePrior, fit_noise, learn_noise
 from pipeline.discrepancy.problem import pose_problem
 from tests.discrepancy.made import recorded
 
@@ -64,3 +65,25 @@ def test_physics_is_no_noise(hidden):
     prior = learn_noise(problem)
     assert prior.repeats == 4
     assert prior.model.deviation == pytest.approx(0.2, rel=0.12)
+
+
+def test_a_walk_is_picked_from_any_level():
+    rng = np.random.default_rng(4)
+    cycle = np.arange(1200) // 200
+    prior = NoisePrior(NoiseModel(0.2), 4, 0.08, ())
+    family = noise_family(prior, cycle, np.ones(1200, dtype=bool))
+    residual = 0.2 * rng.normal(size=1200) + np.cumsum(0.2 * 0.03 * rng.normal(size=1200))
+    noise, place = family.pick(residual - residual.mean(), (0, 0, 0))
+    assert WALKS[place[2]] == pytest.approx(0.03, rel=0.7)
+    assert family.pick(residual + 3.0, (0, 0, 0))[1] == place
+    assert noise.walk == pytest.approx(0.2 * 0.03, rel=0.7)
+
+
+def test_a_walk_in_repeats_is_no_slow_correlation():
+    rng = np.random.default_rng(5)
+    walks = np.cumsum(0.2 * 0.08 * rng.normal(size=(200, 6)), axis=0)
+    series = [s - s.mean() for s in (0.2 * rng.normal(size=(200, 6)) + walks).T]
+    prior = NoisePrior(NoiseModel(0.2), 6, 0.08, tuple(series))
+    walking = min(prior.strain(0.0, 0.0, w) for w in WALKS)
+    assert walking < prior.strain(0.0, 0.0, 0.0) - 10.0
+    assert walking < min(prior.strain(s, 0.95, 0.0) for s in (0.03, 0.1, 0.3)) + 3.0
