@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from pipeline.physics.backlash import Backlash
+from pipeline.physics.compliance import Compliance
 from pipeline.physics.contact import Contact
 from pipeline.physics.creep import Creep
 from pipeline.physics.end_stop import EndStop
@@ -12,6 +13,7 @@ from pipeline.physics.gravity import Gravity
 from pipeline.physics.kinematics import CubicCurve, SampledCurve, sampled_curve
 from pipeline.physics.mechanism import Mechanism, Piece
 from pipeline.physics.motion import Motion
+from pipeline.physics.response_lag import ResponseLag
 from pipeline.physics.slack import Slack
 from tests.physics.test_terms import triangle
 
@@ -110,3 +112,34 @@ def test_a_sampled_curve_follows_its_samples_and_goes_on_straight():
     beyond = curve(np.array([50.0, 51.0, 52.0]))
     assert np.diff(beyond)[0] == pytest.approx(np.diff(beyond)[1])
     assert SampledCurve(0.0, 1.0, np.array([0.0, 2.0])).slope == 2.0
+
+
+@pytest.mark.parametrize(
+    ("late", "other", "within"),
+    [
+        (Piece(Creep(), np.array([0.2, 9.0])), Piece(Friction(), np.array([5.0, 4, 0.7])), 1e-3),
+        (
+            Piece(Creep(), np.array([0.2, 9])),
+            Piece(Compliance(), np.array([0.3, 10, 0.1, 1])),
+            1e-3,
+        ),
+        (Piece(Creep(), np.array([0.1, 60])), Piece(Slack(), np.array([12, 0, 0.3, 0.02])), 1e-3),
+        (Piece(ResponseLag(), np.array([2.0])), Piece(Friction(), np.array([5.0, 4, 0.7])), 0.1),
+    ],
+)
+def test_a_dwell_taken_at_once_is_many_short_ones(late, other, within):
+    parts, drive = 100, triangle(1).drive
+    coarse = Motion(drive, 3.0 * np.arange(len(drive)), np.zeros(len(drive), dtype=int))
+    held = np.r_[drive[0], np.repeat(drive[1:], parts)]
+    fine = Motion(held, 3.0 / parts * np.arange(len(held)), np.zeros(len(held), dtype=int))
+    np.testing.assert_allclose(
+        answer(coarse, late, other), answer(fine, late, other)[::parts], atol=within
+    )
+
+
+def test_loose_wires_balance_whatever_holds_the_joint():
+    slack, creep = Piece(Slack(), np.array([2.0, -16.0, 0.2, 0.05])), np.array([0.14, 5.6])
+    pieces = (slack, Piece(Creep(), creep), Piece(EndStop("lower"), np.array([-36.0, 0.07])))
+    motion = triangle(2)
+    out = answer(motion, *pieces)
+    assert np.abs(np.diff(out)).max() < 1.5 * np.abs(np.diff(motion.drive)).max()
