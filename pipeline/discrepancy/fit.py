@@ -163,9 +163,12 @@ def respond(ground: Ground, pieces: Sequence[Piece]) -> Trace:
 def respond_beside(fit: Fit, pieces: Sequence[Piece], changed: Term) -> Trace:
     """The angles of pieces that differ from a fit's in one term only."""
     problem = fit.ground.problem
-    if changed.before_curve or changed.in_balance or problem.averaged is not None:
+    if changed.before_curve or problem.averaged is not None:
         return problem.trace(pieces)
-    return Mechanism(problem.curve, pieces).sensed(fit.trace.body, problem.motion)
+    mechanism, known = Mechanism(problem.curve, pieces), fit.trace
+    if changed.in_balance:
+        return mechanism.balanced(known.asked, problem.motion)
+    return mechanism.sensed(known.asked, known.body, problem.motion)
 
 
 def evaluate(ground: Ground, pieces: Sequence[Piece]) -> Fit:
@@ -206,21 +209,23 @@ def prior_mean(parameter: Parameter) -> float:
 def jacobian(fit: Fit) -> np.ndarray:
     """Derivatives of the prediction by every term parameter, (n, free).
 
-    A parameter that does not move the prediction (a moment between two samples) gives zeros.
+    A parameter that does not move the prediction (a moment between two samples) gives zeros. Fits
+    of the same values under other noise share the traces behind it.
     """
     ground = fit.ground
-    predicted = fit.predicted
+    predicted, beside = fit.predicted, fit.trace.beside
     columns = np.zeros((fit.free, len(fit.trace.seen)))
     k = 0
     for i, piece in enumerate(fit.pieces):
         for j, p in enumerate(parameters_of(ground, piece.term)):
             step = difference_step(p, piece.values[j])
             if step != 0.0:
-                values = piece.values.copy()
-                values[j] += step
-                pieces = (*fit.pieces[:i], Piece(piece.term, values), *fit.pieces[i + 1 :])
-                trace = respond_beside(fit, pieces, piece.term)
-                moved = ground.nuisances.answer(trace, fit.nuisance)
+                if k not in beside:
+                    values = piece.values.copy()
+                    values[j] += step
+                    pieces = (*fit.pieces[:i], Piece(piece.term, values), *fit.pieces[i + 1 :])
+                    beside[k] = respond_beside(fit, pieces, piece.term)
+                moved = ground.nuisances.answer(beside[k], fit.nuisance)
                 columns[k] = (moved - predicted) / step
             k += 1
     return columns.T

@@ -57,10 +57,11 @@ class Averaged:
         if all(piece.term.adds for piece in mechanism.pieces):
             simulated = self._added(None)
             added = sum((self._added(piece) for piece in mechanism.pieces), 0.0 * simulated)
-            return Trace(simulated, simulated + added, {}, added)
+            return Trace(simulated, simulated, simulated + added, {}, added)
         trace = mechanism.trace(self.motion)
         changed = None if trace.added is None else self.mean(trace.added)
-        return Trace(self.mean(trace.body), self.mean(trace.seen), trace.state, changed)
+        asked, body, seen = (self.mean(x) for x in (trace.asked, trace.body, trace.seen))
+        return Trace(asked, body, seen, trace.state, changed)
 
     def _added(self, piece: Piece | None) -> np.ndarray:
         """Means of what a piece adds, (rows,); of the simulated force for None."""

@@ -104,8 +104,7 @@ def settle(
     carried = np.zeros(4 + len(slip) + len(arm)) if state is None else state.copy()
     drag, dwell = sum(load.drag for load in loads), pushed
     if len(arm) or drag > 0.0:
-        last = motion.time_s[0] if state is None else carried[0]
-        dwell = np.diff(motion.time_s, prepend=last)
+        dwell = motion.dwell_s if state is None else np.diff(motion.time_s, prepend=carried[0])
     angle = np.empty(len(asked))
     if len(asked):
         pretension = min(NEVER, *(load.pretension for load in loads))

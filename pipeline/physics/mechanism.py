@@ -44,15 +44,19 @@ State = Mapping[str, np.ndarray]
 
 @dataclass(frozen=True)
 class Trace:
-    """body: (n,) the joint's angle in balance. seen: (n,) what the sensor makes of it.
+    """asked: (n,) the angle that the wire asks for. body: (n,) the joint's angle in balance.
 
-    added: (n,) the part of `seen` that no gain of the simulation scales: what terms add to a force.
+    seen: (n,) what the sensor makes of it. added: (n,) the part of `seen` that no gain of the
+    simulation scales: what terms add to a force. beside: traces with one parameter a step further,
+    by its number among all, as far as they were asked for.
     """
 
+    asked: np.ndarray
     body: np.ndarray
     seen: np.ndarray
     state: State
     added: np.ndarray | None = None
+    beside: dict[int, "Trace"] = field(default_factory=dict, repr=False, compare=False)
 
 
 @dataclass(frozen=True)
@@ -93,20 +97,35 @@ class Mechanism:
                 signal = _apply(piece, signal, motion, before, after)
         kinetics = motion.kinetics
         signal = self.curve(signal) if kinetics is None else kinetics.simulated
-        balanced = [p for p in pieces if p.term.in_balance]
+        return self._balanced(signal, pieces, motion, before, after)
+
+    def balanced(self, asked: np.ndarray, motion: Motion) -> Trace:
+        """The same where all that the wire asks for (n,) is known."""
+        return self._balanced(asked, sorted(self.pieces, key=_place), motion, {}, {})
+
+    def sensed(self, asked: np.ndarray, body: np.ndarray, motion: Motion) -> Trace:
+        """The same for a joint of which all angles (n,) are known."""
+        return self._sensed(asked, body, sorted(self.pieces, key=_place), motion, {}, {})
+
+    def _balanced(
+        self,
+        asked: np.ndarray,
+        pieces: Sequence[Piece],
+        motion: Motion,
+        before: State,
+        after: dict[str, np.ndarray],
+    ) -> Trace:
+        body, balanced = asked, [p for p in pieces if p.term.in_balance]
         if balanced:
-            signal, states = settle(
-                signal, balanced, motion, self.curve.slope, before.get(BALANCE), before
+            body, states = settle(
+                asked, balanced, motion, self.curve.slope, before.get(BALANCE), before
             )
             after |= states
-        return self._sensed(signal, pieces, motion, before, after)
-
-    def sensed(self, body: np.ndarray, motion: Motion) -> Trace:
-        """The same for a joint of which all angles (n,) are known."""
-        return self._sensed(body, sorted(self.pieces, key=_place), motion, {}, {})
+        return self._sensed(asked, body, pieces, motion, before, after)
 
     def _sensed(
         self,
+        asked: np.ndarray,
         body: np.ndarray,
         pieces: Sequence[Piece],
         motion: Motion,
@@ -118,7 +137,8 @@ class Mechanism:
             if not (piece.term.before_curve or piece.term.in_balance):
                 seen = _apply(piece, seen, motion, before, after)
         kinetics = motion.kinetics
-        return Trace(body, seen, after, None if kinetics is None else seen - kinetics.simulated)
+        added = None if kinetics is None else seen - kinetics.simulated
+        return Trace(asked, body, seen, after, added)
 
 
 def _place(piece: Piece) -> int:

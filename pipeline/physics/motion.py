@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -63,6 +64,11 @@ class Motion:
             kinetics = Kinetics(*(before(column) for column in columns))
         others = {name: before(values) for name, values in self.others.items()}
         return replace(self, drive=before(self.drive), others=others, kinetics=kinetics)
+
+    @cached_property
+    def dwell_s(self) -> np.ndarray:
+        """Time that each command had before its sample was taken, (n,); none the first."""
+        return np.diff(self.time_s, prepend=self.time_s[:1])
 
     def rows(self, part: slice | np.ndarray) -> "Motion":
         """The same motion over some of its samples (a slice or indices)."""
