@@ -15,7 +15,7 @@ from pipeline.discrepancy.foretold import foretold_part
 from pipeline.discrepancy.inputs import input_shares, said_shares
 from pipeline.discrepancy.intervals import estimates, stated, undated, wide_covariance
 from pipeline.discrepancy.mistaken import mistaken_frames
-from pipeline.discrepancy.model import CorrectedModel
+from pipeline.discrepancy.model import CorrectedModel, Hypothesis
 from pipeline.discrepancy.outliers import isolated
 from pipeline.discrepancy.problem import Problem, thinned
 from pipeline.discrepancy.result import (
@@ -23,7 +23,6 @@ from pipeline.discrepancy.result import (
     Diagnosis,
     Errors,
     Evidence,
-    Hypothesis,
     NamedPhysics,
     Unexplained,
 )
@@ -79,8 +78,10 @@ def diagnose_measurement(
     elif structure.found:
         best = fewer(explanation, best)
     covariance = wide_covariance(best.fit, best.place, explanation.search.family)
-    model = model_of(measurement, problem, best, covariance)
-    evidence = evidence_of(recording, measurement, problem, explanation, best, model)
+    hypotheses = hypotheses_of(problem, explanation, best)
+    rivals = tuple(h for h in hypotheses if set(h.names) != set(best.fit.names))
+    model = replace(model_of(measurement, problem, best, covariance), rivals=rivals)
+    evidence = evidence_of(recording, measurement, problem, explanation, model, hypotheses)
     physics = () if accurate else named_physics(explanation, best, evidence, structure, covariance)
     noise = model.noise
     before, after = errors(evidence, evidence.before), errors(evidence, evidence.after)
@@ -167,25 +168,32 @@ def model_of(
     )
 
 
+def hypotheses_of(
+    problem: Problem, explanation: Explanation, best: Choice
+) -> tuple[Hypothesis, ...]:
+    """The explanations that compete, the likeliest first."""
+    distinct = [c for c in by_names(explanation.choices) if c.score < best.score + RIVAL_GAP]
+    if all(c is not best for c in distinct):
+        distinct = [best]
+    weights = weights_of(distinct)
+    found = [
+        Hypothesis(c.fit.names, float(w), mechanism_of(problem, c))
+        for c, w in sorted(zip(distinct, weights, strict=True), key=lambda x: -x[1])
+    ]
+    return tuple(found[:RIVALS])
+
+
 def evidence_of(
     recording: Recording,
     measurement: str,
     problem: Problem,
     explanation: Explanation,
-    best: Choice,
     model: CorrectedModel,
+    hypotheses: tuple[Hypothesis, ...],
 ) -> Evidence:
     """All rows of the recording with their predictions, and the hypotheses that compete."""
     after, deviation = model.predict(problem.motion)
     outliers = isolated(problem.measured - after, problem.train, explanation.prior.finest)
-    distinct = [c for c in by_names(explanation.choices) if c.score < best.score + RIVAL_GAP]
-    if all(c is not best for c in distinct):
-        distinct = [best]
-    weights = weights_of(distinct)
-    hypotheses = tuple(
-        Hypothesis(c.fit.names, float(w), mechanism_of(problem, c))
-        for c, w in sorted(zip(distinct, weights, strict=True), key=lambda x: -x[1])
-    )
     return Evidence(
         recording=recording,
         measurement=measurement,
@@ -200,7 +208,7 @@ def evidence_of(
         after=after,
         deviation=deviation,
         noise=model.noise,
-        hypotheses=hypotheses[:RIVALS],
+        hypotheses=hypotheses,
     )
 
 

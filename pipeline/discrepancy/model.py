@@ -22,6 +22,15 @@ class ModelError(LoopgapError):
 
 
 @dataclass(frozen=True)
+class Hypothesis:
+    """An explanation that competes: its names, its probability, and a mechanism that can answer."""
+
+    names: tuple[str, ...]
+    probability: float
+    mechanism: Mechanism
+
+
+@dataclass(frozen=True)
 class CorrectedModel:
     """What predicts a measurement from commands.
 
@@ -29,7 +38,7 @@ class CorrectedModel:
     simulation of the measurement. covariance: of gain, offset, bends and all term parameters in
     their order. noise: of one measured sample. force: whether a force against the motion of `drive`
     is measured; simulated: whether a simulation says part of it; delay_s: how much later than its
-    motion it is recorded.
+    motion it is recorded. rivals: the other explanations.
     """
 
     measurement: str
@@ -43,19 +52,24 @@ class CorrectedModel:
     force: bool = False
     simulated: bool = True
     delay_s: float = 0.0
+    rivals: tuple[Hypothesis, ...] = ()
 
     def predict(self, motion: Motion) -> tuple[np.ndarray, np.ndarray]:
         """Expected measurement and its standard deviation, each (n,), from the motion alone.
 
-        The deviation holds the noise, the walk since the first sample and what the parameters leave
-        open; the motion is taken to begin where the model's recording began.
+        The deviation holds the noise, the walk since the first sample, what the parameters leave
+        open and how far the rivals, by their probabilities, expect something else; the motion is
+        taken to begin where the model's recording began.
         """
         expected = self.mechanism.respond(motion)[0]
         slopes = np.column_stack(self._slopes(motion, expected))
         open_variance = np.maximum(np.einsum("ij,jk,ik->i", slopes, self.covariance, slopes), 0.0)
         noise = self.noise.deviation**2 + self.noise.jitter**2
         walked = self.noise.walk**2 * np.arange(len(expected))
-        return expected, np.sqrt(noise + walked + open_variance)
+        apart = np.zeros(len(expected))
+        for rival in self.rivals:
+            apart += rival.probability * (rival.mechanism.respond(motion)[0] - expected) ** 2
+        return expected, np.sqrt(noise + walked + open_variance + apart)
 
     def _slopes(self, motion: Motion, expected: np.ndarray) -> list[np.ndarray]:
         """Change of the prediction for a unit of each parameter, by differences."""
@@ -108,6 +122,16 @@ def as_json(model: CorrectedModel) -> dict[str, Any]:
         "simulated": model.simulated,
         "delay_s": model.delay_s,
         "curve": curve,
+        **_fitted(m),
+        "noise": asdict(model.noise),
+        "covariance": model.covariance.tolist(),
+        "rivals": [{"probability": r.probability, **_fitted(r.mechanism)} for r in model.rivals],
+    }
+
+
+def _fitted(m: Mechanism) -> dict[str, Any]:
+    """All of a mechanism but its curve, as plain JSON."""
+    return {
         "gain": m.gain,
         "offset": m.offset,
         "error": None if m.error is None else asdict(m.error),
@@ -115,8 +139,6 @@ def as_json(model: CorrectedModel) -> dict[str, Any]:
             {"name": p.term.name, "form": p.term.form, "values": p.values.tolist()}
             for p in m.pieces
         ],
-        "noise": asdict(model.noise),
-        "covariance": model.covariance.tolist(),
     }
 
 
@@ -135,19 +157,17 @@ def from_json(entry: Mapping[str, Any], others: list[str]) -> CorrectedModel:
         if entry["curve"] is not None:
             c = entry["curve"]
             curve = SampledCurve(c["first"], c["spacing"], np.array(c["angle"], dtype=float))
-        error = None
-        if entry["error"] is not None:
-            e = entry["error"]
-            error = SmoothError(e["middle"], e["half_range"], tuple(e["weights"]))
-        pieces = tuple(
-            Piece(term(t["name"], t["form"], others), np.array(t["values"], dtype=float))
-            for t in entry["terms"]
-        )
-        mechanism = Mechanism(curve, pieces, entry["gain"], entry["offset"], error)
+        mechanism = _refitted(entry, curve, others)
+        rivals = tuple(
+            Hypothesis(tuple(t["name"] for t in r["terms"]), r["probability"],
+                       _refitted(r, curve, others))
+            for r in entry.get("rivals", [])
+        )  # fmt: skip
         return CorrectedModel(
             entry["measurement"], entry["unit"], entry["drive"], entry["static"], entry["radian"],
             mechanism, NoiseModel(**entry["noise"]), np.array(entry["covariance"], dtype=float),
             entry.get("force", False), entry.get("simulated", True), entry.get("delay_s", 0.0),
+            rivals,
         )  # fmt: skip
     except (KeyError, TypeError, ValueError) as problem:
         raise ModelError(
@@ -155,3 +175,16 @@ def from_json(entry: Mapping[str, Any], others: list[str]) -> CorrectedModel:
                 "model", "the entries that a diagnosis writes", f"{problem!r}", "Diagnose anew."
             )
         ) from problem
+
+
+def _refitted(entry: Mapping[str, Any], curve: Curve, others: list[str]) -> Mechanism:
+    """The mechanism that `_fitted` wrote."""
+    error = None
+    if entry["error"] is not None:
+        e = entry["error"]
+        error = SmoothError(e["middle"], e["half_range"], tuple(e["weights"]))
+    pieces = tuple(
+        Piece(term(t["name"], t["form"], others), np.array(t["values"], dtype=float))
+        for t in entry["terms"]
+    )
+    return Mechanism(curve, pieces, entry["gain"], entry["offset"], error)

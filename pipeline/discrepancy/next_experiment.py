@@ -9,8 +9,9 @@ import pandas as pd
 from scipy.special import ndtr
 
 from pipeline.discrepancy.blocks import Block, Habit, blocks, exploring, habit_of
+from pipeline.discrepancy.model import Hypothesis
 from pipeline.discrepancy.noise import NoiseModel
-from pipeline.discrepancy.result import Evidence, Hypothesis
+from pipeline.discrepancy.result import Evidence
 from pipeline.discrepancy.ties import BENDS
 from pipeline.physics.differentiation import differentiate
 from pipeline.physics.mechanism import Mechanism, Piece

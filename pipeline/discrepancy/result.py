@@ -7,9 +7,8 @@ from typing import Any
 import numpy as np
 
 from pipeline.discrepancy.locate import Located
-from pipeline.discrepancy.model import CorrectedModel
+from pipeline.discrepancy.model import CorrectedModel, Hypothesis
 from pipeline.discrepancy.noise import NoiseModel
-from pipeline.physics.mechanism import Mechanism
 from pipeline.physics.motion import Motion
 from pipeline.recording import Recording
 
@@ -106,15 +105,6 @@ class Diagnosis:
     not_excited: tuple[str, ...]
     next_experiment: NextExperiment | None
     notes: tuple[str, ...] = ()
-
-
-@dataclass(frozen=True)
-class Hypothesis:
-    """An explanation that competes: its names, its probability, and a mechanism that can answer."""
-
-    names: tuple[str, ...]
-    probability: float
-    mechanism: Mechanism
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,7 @@ import pytest
 
 from pipeline.commands import read_commands
 from pipeline.discrepancy.blocks import blocks, exploring, habit_of, path
+from pipeline.discrepancy.model import Hypothesis
 from pipeline.discrepancy.next_experiment import (
     Drive,
     Proposal,
@@ -16,7 +17,7 @@ from pipeline.discrepancy.next_experiment import (
     separation,
 )
 from pipeline.discrepancy.noise import NoiseModel
-from pipeline.discrepancy.result import Evidence, Hypothesis
+from pipeline.discrepancy.result import Evidence
 from pipeline.physics.catalogue import term
 from pipeline.physics.mechanism import Mechanism, Piece
 from pipeline.physics.motion import Motion

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from pipeline.config import DiagnosisConfig
-from pipeline.discrepancy.model import ModelError, as_json, from_json
+from pipeline.discrepancy.model import Hypothesis, ModelError, as_json, from_json
 from pipeline.stages.diagnosis import diagnose
 from pipeline.stages.prediction import predict
 from tests.discrepancy.made import NOISE, recorded
@@ -39,8 +39,29 @@ def test_the_deviation_covers_new_measurements(model):
     assert 0.9 < inside < 0.99
 
 
-def test_a_stored_model_answers_the_same(model):
-    recording = recorded(HIDDEN, seed=2)
+@pytest.fixture(scope="module")
+def doubted(model):
+    """The model with a rival of a quarter's probability that drifts by 6 deg an hour more."""
+    pieces = [
+        replace(p, values=p.values + 6.0) if p.term.name == "drift" else p
+        for p in model.mechanism.pieces
+    ]
+    drifting = replace(model.mechanism, pieces=tuple(pieces))
+    return replace(model, rivals=(Hypothesis(("drift",), 0.25, drifting),))
+
+
+def test_rivals_that_foretell_something_else_widen_the_deviation(model, doubted):
+    longer = recorded(HIDDEN, seed=1, cycles=10)
+    sure, doubting = predict([replace(model, rivals=())], longer), predict([doubted], longer)
+    name = "pitch_angle_deg"
+    np.testing.assert_array_equal(doubting[f"{name}_predicted"], sure[f"{name}_predicted"])
+    apart = doubting[f"{name}_std"] ** 2 - sure[f"{name}_std"] ** 2
+    drift_deg = 6.0 * model.mechanism.gain * (longer.values("time_s") - 3.0) / 3600.0
+    np.testing.assert_allclose(apart, 0.25 * drift_deg**2, atol=1e-9)
+
+
+def test_a_stored_model_answers_the_same(doubted):
+    model, recording = doubted, recorded(HIDDEN, seed=2)
     again = from_json(json.loads(json.dumps(as_json(model))), ["yaw_command_deg"])
     np.testing.assert_allclose(predict([again], recording), predict([model], recording))
 

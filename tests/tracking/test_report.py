@@ -12,6 +12,7 @@ import pytest
 from rerun.chunk import RrdReader
 
 from pipeline.discrepancy.locate import locate
+from pipeline.discrepancy.model import Hypothesis
 from pipeline.discrepancy.noise import NoiseModel
 from pipeline.discrepancy.result import (
     Calibration,
@@ -19,7 +20,6 @@ from pipeline.discrepancy.result import (
     Errors,
     Estimate,
     Evidence,
-    Hypothesis,
     Location,
     NamedPhysics,
     NextExperiment,
