@@ -13,11 +13,12 @@ from pipeline.discrepancy.force_noise import noise_of_samples
 from pipeline.discrepancy.force_problem import averaged
 from pipeline.discrepancy.foretold import foretold_part
 from pipeline.discrepancy.inputs import input_shares, said_shares
-from pipeline.discrepancy.intervals import estimates, stated, undated, wide_covariance
+from pipeline.discrepancy.intervals import estimates, stated, wide_covariance
 from pipeline.discrepancy.mistaken import mistaken_frames
 from pipeline.discrepancy.model import CorrectedModel, Hypothesis
 from pipeline.discrepancy.outliers import isolated
 from pipeline.discrepancy.problem import Problem, thinned
+from pipeline.discrepancy.proof import disproved, root_mean
 from pipeline.discrepancy.result import (
     Calibration,
     Diagnosis,
@@ -46,8 +47,6 @@ from pipeline.recording import Recording
 RIVALS = 6
 RIVAL_GAP = 14.0
 SUREST = 0.98
-TWICE, HALF = 2.0, 0.5
-HELDOUT = "on held-out samples, which the fit to the others does not predict"
 
 
 def diagnose_measurement(
@@ -71,8 +70,9 @@ def diagnose_measurement(
         structure, best = replace(structure, found=True, where="everywhere"), base
     elif absurd is not None:
         structure = replace(structure, found=True, where=absurd)
-    elif not structure.found and refuted(problem, best, explanation.prior.finest):
-        structure = replace(structure, found=True, where=HELDOUT)
+    elif not structure.found:
+        said = mechanism_of(problem, best).respond(problem.motion)[0]
+        structure = disproved(problem, explanation, best, problem.measured - said, structure)
     if explanation.prior.repeats == 0 and problem.derivatives is None:
         best = foretold_part(explanation.choices, best, structure.found)
     elif structure.found:
@@ -118,20 +118,6 @@ def reduced(problem: Problem) -> tuple[Problem, int]:
     if problem.derivatives is None:
         return thinned(problem)
     return averaged(problem)
-
-
-def refuted(problem: Problem, choice: Choice, finest: float) -> bool:
-    """Whether the held-out rows refute what the training rows seemed to say.
-
-    They do where the error there is over twice that on training rows and half of what it was
-    before. Lone rows, and those between which a slip may lie, are not counted.
-    """
-    off = problem.measured - mechanism_of(problem, choice).respond(problem.motion)[0]
-    counted = ~isolated(off, problem.train, finest) & ~undated(choice.fit, problem.motion.time_s)
-    train, heldout = problem.train & counted, problem.heldout & counted
-    before = (problem.measured - problem.simulated)[heldout]
-    left = root_mean(off[heldout] ** 2)
-    return left > TWICE * root_mean(off[train] ** 2) and left > HALF * root_mean(before**2)
 
 
 def mechanism_of(problem: Problem, choice: Choice) -> Mechanism:
@@ -217,10 +203,6 @@ def errors(evidence: Evidence, predicted: np.ndarray) -> Errors:
     square = (evidence.measured - predicted) ** 2
     train, heldout = evidence.train & evidence.used, evidence.heldout & evidence.used
     return Errors(root_mean(square[train]), root_mean(square[heldout]))
-
-
-def root_mean(square: np.ndarray) -> float:
-    return float(np.sqrt(np.mean(square))) if len(square) else float("nan")
 
 
 def named_physics(
