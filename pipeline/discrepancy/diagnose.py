@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from pipeline.discrepancy.accuracy import calibrated_alone
 from pipeline.discrepancy.choose import Choice
 from pipeline.discrepancy.explain import Explanation, explain, not_excited
 from pipeline.discrepancy.fit import evaluate, improve
@@ -13,7 +14,7 @@ from pipeline.discrepancy.force_noise import noise_of_samples
 from pipeline.discrepancy.force_problem import averaged
 from pipeline.discrepancy.foretold import foretold_part
 from pipeline.discrepancy.inputs import input_shares, said_shares
-from pipeline.discrepancy.intervals import estimates, stated, wide_covariance
+from pipeline.discrepancy.intervals import covariance_of, estimates, stated, wide_covariance
 from pipeline.discrepancy.mistaken import mistaken_frames
 from pipeline.discrepancy.model import CorrectedModel, Hypothesis
 from pipeline.discrepancy.outliers import isolated
@@ -65,7 +66,8 @@ def diagnose_measurement(
     base = next(c for c in explanation.choices if not c.fit.pieces)
     accurate, absurd = within_accuracy(explanation, base), absurd_calibration(best)
     if accurate:
-        best, structure = base, Structure(False, None, structure.share, structure.p_value)
+        best = calibrated_alone(explanation, base)
+        structure = Structure(False, None, structure.share, structure.p_value)
     elif not follows(explanation, best):
         structure, best = replace(structure, found=True, where="everywhere"), base
     elif absurd is not None:
@@ -77,7 +79,10 @@ def diagnose_measurement(
         best = foretold_part(explanation.choices, best, structure.found)
     elif structure.found:
         best = fewer(explanation, best)
-    covariance = wide_covariance(best.fit, best.place, explanation.search.family)
+    family = explanation.search.family
+    covariance = (
+        covariance_of(best.fit) if accurate else wide_covariance(best.fit, best.place, family)
+    )
     hypotheses = hypotheses_of(problem, explanation, best)
     rivals = tuple(h for h in hypotheses if set(h.names) != set(best.fit.names))
     model = replace(model_of(measurement, problem, best, covariance), rivals=rivals)
@@ -100,7 +105,7 @@ def diagnose_measurement(
         not_excited=not_excited(problem),
         next_experiment=None,
         notes=(
-            *accuracy_note(problem, accurate),
+            *accuracy_note(problem, best, accurate),
             *notes(problem, explanation, best, evidence, every),
         ),
     )
@@ -110,7 +115,21 @@ def diagnose_measurement(
 def calibration_of(problem: Problem, choice: Choice) -> Calibration:
     """Gain and offset of a choice, and the delay of a force."""
     gain, offset = (float(value) for value in choice.fit.nuisance[:2])
-    return Calibration(gain, offset, None if problem.derivatives is None else problem.delay.value)
+    return Calibration(
+        gain,
+        offset,
+        delay_s=None if problem.derivatives is None else problem.delay.value,
+        smooth_error=smooth_error(choice),
+    )
+
+
+def smooth_error(choice: Choice) -> float | None:
+    """Root mean square over the rows fitted of the smooth error; None where none is allowed."""
+    fit = choice.fit
+    if len(fit.nuisance) < 3:
+        return None
+    own = fit.ground.calibrating(fit.trace)[:, 2:] @ fit.nuisance[2:]
+    return root_mean(own[fit.ground.used] ** 2)
 
 
 def reduced(problem: Problem) -> tuple[Problem, int]:
@@ -157,14 +176,16 @@ def model_of(
 def hypotheses_of(
     problem: Problem, explanation: Explanation, best: Choice
 ) -> tuple[Hypothesis, ...]:
-    """The explanations that compete, the likeliest first."""
+    """The explanations that compete: the chosen one, and the others by their probability."""
     distinct = [c for c in by_names(explanation.choices) if c.score < best.score + RIVAL_GAP]
     if all(c is not best for c in distinct):
         distinct = [best]
     weights = weights_of(distinct)
     found = [
         Hypothesis(c.fit.names, float(w), mechanism_of(problem, c))
-        for c, w in sorted(zip(distinct, weights, strict=True), key=lambda x: -x[1])
+        for c, w in sorted(
+            zip(distinct, weights, strict=True), key=lambda x: (x[0] is not best, -x[1])
+        )
     ]
     return tuple(found[:RIVALS])
 
@@ -340,15 +361,21 @@ def force_notes(problem: Problem, found: Derivatives, every: int) -> list[str]:
     return out
 
 
-def accuracy_note(problem: Problem, accurate: bool) -> list[str]:
+def accuracy_note(problem: Problem, best: Choice, accurate: bool) -> list[str]:
     """That the declared accuracy decided, in words; nothing where it did not."""
     if not accurate:
         return []
-    accuracy = f"{problem.tolerance.accuracy:g} {problem.around.angle_unit}"
-    return [
+    unit, size = problem.around.angle_unit, smooth_error(best)
+    out = [
         f"Once gain, offset and curve are right, less is left than the accuracy of the measurement "
-        f"that was declared ({accuracy}): no name was looked for in it."
+        f"that was declared ({problem.tolerance.accuracy:g} {unit}): no name was looked for in it."
     ]
+    if size is not None:
+        out.append(
+            f"A smooth error over every command ({size:.3g} {unit} RMS) is taken for the "
+            "measurement's own and corrected with gain and offset: it foretells later samples."
+        )
+    return out
 
 
 def driven_note(problem: Problem, evidence: Evidence) -> list[str]:

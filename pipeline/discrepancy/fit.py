@@ -77,6 +77,14 @@ class Ground:
         """The whitened measurement, (count,)."""
         return self.whiten(np.where(self.used, self.problem.measured, 0.0)[:, None])[:, 0]
 
+    def calibrating(self, trace: Trace) -> np.ndarray:
+        """What the nuisances multiply in each row, (n, m)."""
+        return self.nuisances.columns(trace, self.problem.motion.others)
+
+    def answer(self, trace: Trace, nuisance: np.ndarray) -> np.ndarray:
+        """What is measured in each row, (n,), by a trace and nuisances (m,)."""
+        return self.nuisances.answer(trace, nuisance, self.problem.motion.others)
+
     def with_noise(self, noise: NoiseModel) -> "Ground":
         return replace(self, noise=noise)
 
@@ -112,7 +120,7 @@ class Fit:
     @property
     def predicted(self) -> np.ndarray:
         """The measurement that the fit expects in each row, (n,)."""
-        return self.ground.nuisances.answer(self.trace, self.nuisance)
+        return self.ground.answer(self.trace, self.nuisance)
 
     @property
     def free(self) -> int:
@@ -127,7 +135,7 @@ class Fit:
     @cached_property
     def changes(self) -> np.ndarray:
         """Derivatives of the prediction by gain, offset, bends and every term parameter, (n, m)."""
-        return np.hstack([self.ground.nuisances.columns(self.trace), jacobian(self)])
+        return np.hstack([self.ground.calibrating(self.trace), jacobian(self)])
 
     @cached_property
     def slopes(self) -> np.ndarray:
@@ -178,7 +186,7 @@ def evaluate(ground: Ground, pieces: Sequence[Piece]) -> Fit:
 
 def calibrated(ground: Ground, pieces: Sequence[Piece], trace: Trace) -> Fit:
     """The fit with pieces whose angles are known."""
-    columns = ground.whiten(ground.nuisances.columns(trace))
+    columns = ground.whiten(ground.calibrating(trace))
     precision, expected = ground.precision, ground.nuisances.expected
     data = ground.data
     if trace.added is not None:
@@ -225,7 +233,7 @@ def jacobian(fit: Fit) -> np.ndarray:
                     values[j] += step
                     pieces = (*fit.pieces[:i], Piece(piece.term, values), *fit.pieces[i + 1 :])
                     beside[k] = respond_beside(fit, pieces, piece.term)
-                moved = ground.nuisances.answer(beside[k], fit.nuisance)
+                moved = ground.answer(beside[k], fit.nuisance)
                 columns[k] = (moved - predicted) / step
             k += 1
     return columns.T

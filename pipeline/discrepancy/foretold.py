@@ -5,8 +5,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from pipeline.discrepancy.choose import Choice, independent
-from pipeline.discrepancy.fit import evaluate, improve
+from pipeline.discrepancy.choose import Choice, complexity, independent
+from pipeline.discrepancy.fit import Fit, Ground, evaluate, improve
+from pipeline.discrepancy.ties import TIE
+from pipeline.physics.mechanism import Piece
 
 CUTS = (0.55, 0.75)
 AHEAD = 0.25
@@ -16,13 +18,13 @@ FEWEST_ROWS = 20
 
 
 def foretelling(choices: Sequence[Choice]) -> list[Choice]:
-    """The choices with what they foretell in their scores, the best first.
+    """The choices with what they foretell in their scores, the best first, then by score.
 
     Without repeats the size of the noise is no witness, and what fits best may be what follows a
     slow change best. So the choices near the best one are refitted to the first part of the
     training rows and have to foretell the next part; n log(error^2 / least error^2) is added to
     their scores, n being the number of independent samples foretold (prequential validation,
-    Dawid, J. R. Stat. Soc. A 147 (1984) 278).
+    Dawid, J. R. Stat. Soc. A 147 (1984) 278). Of those that tie, the best is what foretells best.
     """
     ranked = sorted(choices, key=lambda c: c.score)
     near = [c for c in ranked if c.score < ranked[0].score + NEAR][:MOST]
@@ -32,10 +34,12 @@ def foretelling(choices: Sequence[Choice]) -> list[Choice]:
     errors = np.array([error_ahead(c, rows) for c in near])
     count = len(CUTS) * AHEAD * independent(near[0].fit.ground)
     extra = count * 2.0 * np.log(errors / errors.min())
-    scores = {id(c): c.score + float(e) for c, e in zip(near, extra, strict=True)}
-    return sorted(
-        (replace(c, score=scores.get(id(c), c.score)) for c in ranked), key=lambda c: c.score
-    )
+    weighed = [replace(c, score=c.score + float(e)) for c, e in zip(near, extra, strict=True)]
+    least = min(c.score for c in weighed)
+    tied = [k for k, c in enumerate(weighed) if c.score < least + TIE]
+    best = weighed[min(tied, key=lambda k: errors[k])]
+    others = [c for c in (*weighed, *ranked) if c is not best and all(c is not n for n in near)]
+    return [best, *sorted(others, key=lambda c: c.score)]
 
 
 def foretold_part(choices: Sequence[Choice], choice: Choice, structured: bool) -> Choice:
@@ -67,8 +71,23 @@ def _without(choice: Choice, name: str) -> Choice:
     return replace(choice, fit=improve(evaluate(choice.fit.ground, rest)))
 
 
+def called_for(ground: Ground, pieces: Sequence[Piece]) -> Fit:
+    """Pieces refitted, without each slip that does not lower the cost by what it is charged."""
+    fit = improve(evaluate(ground, pieces))
+    for piece in pieces:
+        if any(p.stepwise for p in piece.term.parameters(ground.problem.around)):
+            rest = [p for p in fit.pieces if p.term is not piece.term]
+            without = improve(evaluate(ground, rest))
+            if without.cost + complexity(without) < fit.cost + complexity(fit):
+                fit = without
+    return fit
+
+
 def error_ahead(choice: Choice, rows: np.ndarray) -> float:
-    """Root mean square error [measurement's unit] on rows after those that it is refitted to."""
+    """Root mean square error [measurement's unit] on rows after those that it is refitted to.
+
+    A slip that those do not call for is left out: its moment was found by what came later.
+    """
     ground, square, count = choice.fit.ground, 0.0, 0
     measured = ground.problem.measured
     for cut in CUTS:
@@ -76,7 +95,7 @@ def error_ahead(choice: Choice, rows: np.ndarray) -> float:
         ahead = rows[first : first + int(AHEAD * len(rows))]
         early = np.zeros(len(ground.used), dtype=bool)
         early[rows[:first]] = True
-        fit = improve(evaluate(replace(ground, used=early), choice.fit.pieces))
+        fit = called_for(replace(ground, used=early), choice.fit.pieces)
         square += float(np.sum((measured - fit.predicted)[ahead] ** 2))
         count += len(ahead)
     return max(float(np.sqrt(square / count)), 1e-300)

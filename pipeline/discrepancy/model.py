@@ -1,7 +1,7 @@
 """The corrected simulation: a fitted mechanism with its noise and how sure it is."""
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -9,7 +9,7 @@ import numpy as np
 from pipeline.discrepancy.noise import NoiseModel
 from pipeline.errors import LoopgapError, refusal
 from pipeline.physics.catalogue import term
-from pipeline.physics.kinematics import Curve, IdentityCurve, SampledCurve, SmoothError
+from pipeline.physics.kinematics import Beside, Curve, IdentityCurve, SampledCurve, SmoothError
 from pipeline.physics.mechanism import Mechanism, Piece
 from pipeline.physics.motion import Motion
 
@@ -91,11 +91,21 @@ class CorrectedModel:
         return _mechanism(m, flat)
 
 
+def require(commands: list[str], needed: list[str]) -> None:
+    """Raise ModelError where a command that a model needs is not there."""
+    missing = [name for name in needed if name not in commands]
+    if missing:
+        raise ModelError(
+            refusal("recording", f"the command {missing[0]!r} that the model was fitted with",
+                    f"commands {', '.join(commands) or 'none'}", "Name the channel so.")
+        )  # fmt: skip
+
+
 def _mechanism(like: Mechanism, flat: np.ndarray) -> Mechanism:
     k, error = 2, like.error
     if error is not None:
-        weights = (float(flat[2]), float(flat[3]), float(flat[4]))
-        error, k = SmoothError(error.middle, error.half_range, weights), 5
+        k += len(error.weights)
+        error = replace(error, weights=tuple(float(weight) for weight in flat[2:k]))
     pieces = []
     for piece in like.pieces:
         pieces.append(Piece(piece.term, flat[k : k + len(piece.values)]))
@@ -182,7 +192,9 @@ def _refitted(entry: Mapping[str, Any], curve: Curve, others: list[str]) -> Mech
     error = None
     if entry["error"] is not None:
         e = entry["error"]
-        error = SmoothError(e["middle"], e["half_range"], tuple(e["weights"]))
+        beside = tuple(Beside(**other) for other in e.get("beside", ()))
+        error = SmoothError(e["middle"], e["half_range"], tuple(e["weights"]), beside)
+        require(others, [other.command for other in beside])
     pieces = tuple(
         Piece(term(t["name"], t["form"], others), np.array(t["values"], dtype=float))
         for t in entry["terms"]

@@ -63,12 +63,14 @@ class Calibration:
     """measurement = gain * mechanism + offset [unit]; always fitted, named by nobody.
 
     delay_s: by how much a force was recorded later than its motion; None where no force is measured
-    against a motion.
+    against a motion. smooth_error: root mean square [unit] of the smooth error that the declared
+    `shape` or `accuracy` allows; None where none is allowed.
     """
 
     gain: float
     offset: float
     delay_s: float | None = None
+    smooth_error: float | None = None
 
 
 @dataclass(frozen=True)
@@ -163,6 +165,5 @@ def as_json(diagnoses: tuple[Diagnosis, ...]) -> Mapping[str, Any]:
     """The content of diagnosis.json (the notes belong to the report)."""
     entries = [{k: v for k, v in asdict(d).items() if k != "notes"} for d in diagnoses]
     for entry in entries:
-        if entry["calibration"]["delay_s"] is None:
-            del entry["calibration"]["delay_s"]
+        entry["calibration"] = {k: v for k, v in entry["calibration"].items() if v is not None}
     return {"schema": SCHEMA, "measurements": entries}

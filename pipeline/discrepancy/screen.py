@@ -79,7 +79,7 @@ def screen(fit: Fit, effects: Effects, terms: Sequence[Term], starts: int = 3) -
     columns = np.empty((len(predicted), len(places)))
     for k, (term, values) in enumerate(places):
         trace = respond_beside(fit, (*fit.pieces, Piece(term, values)), term)
-        columns[:, k] = ground.nuisances.answer(trace, fit.nuisance) - predicted
+        columns[:, k] = ground.answer(trace, fit.nuisance) - predicted
     best: dict[tuple[str, str], list[Lead]] = {}
     for (term, values), (gain, factor) in zip(places, _gains(fit, places, columns), strict=True):
         if gain > 0.0:

@@ -1,5 +1,6 @@
 """The nominal curve: what the kinematics alone make of the drive."""
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -7,6 +8,7 @@ import numpy as np
 from numba import njit
 
 EDGE = 10
+REACH = 1.2
 
 
 class Curve(Protocol):
@@ -91,24 +93,51 @@ def sampled_curve(drive: np.ndarray, angle: np.ndarray, knots: int = 401) -> Sam
 
 
 @dataclass(frozen=True)
+class Beside:
+    """Another command that a smooth error depends on; middle, half_range: of its values."""
+
+    command: str
+    middle: float
+    half_range: float
+
+
+@dataclass(frozen=True)
 class SmoothError:
     """A smooth error of a curve: Legendre polynomials of orders 2 to 4 over its range.
 
-    middle, half_range: of the angle. weights: (3,) size of each at an end of the range; a fifth
-    of the range beyond its ends it stays as it is there.
+    middle, half_range: of the angle. weights: size of each at an end of the range; a fifth of the
+    range beyond its ends it stays as it is there. beside: other commands, orders 1 to 4 of each;
+    their weights, (3 + 4 per command,) in all, follow in their order.
     """
 
     middle: float
     half_range: float
-    weights: tuple[float, float, float]
+    weights: tuple[float, ...]
+    beside: tuple[Beside, ...] = ()
 
-    def __call__(self, angle: np.ndarray) -> np.ndarray:
-        return legendre((angle - self.middle) / self.half_range) @ np.array(self.weights)
+    def __call__(self, angle: np.ndarray, others: Mapping[str, np.ndarray]) -> np.ndarray:
+        columns = smooth_columns(angle, others, self.middle, self.half_range, self.beside)
+        return columns @ np.array(self.weights)
+
+
+def smooth_columns(
+    angle: np.ndarray,
+    others: Mapping[str, np.ndarray],
+    middle: float,
+    half_range: float,
+    beside: Sequence[Beside],
+) -> np.ndarray:
+    """What the weights of a smooth error multiply, (n, 3 + 4 per command)."""
+    columns = [legendre((angle - middle) / half_range)]
+    for other in beside:
+        place = (others[other.command] - other.middle) / other.half_range
+        columns += [np.clip(place, -REACH, REACH)[:, None], legendre(place)]
+    return np.hstack(columns)
 
 
 def legendre(x: np.ndarray) -> np.ndarray:
-    """Legendre polynomials of orders 2 to 4, shape (n, 3), of x (n,) held within -1.2 and 1.2."""
-    x = np.clip(x, -1.2, 1.2)
+    """Legendre polynomials of orders 2 to 4, shape (n, 3), of x (n,) held within +-REACH."""
+    x = np.clip(x, -REACH, REACH)
     square = x * x
     return np.column_stack(
         [

@@ -84,7 +84,9 @@ class Mechanism:
         answer = self.gain * trace.seen + self.offset
         if trace.added is not None:
             answer += (1.0 - self.gain) * trace.added
-        return answer if self.error is None else answer + self.error(trace.seen), trace.state
+        if self.error is not None:
+            answer += self.error(trace.seen, motion.others)
+        return answer, trace.state
 
     def trace(self, motion: Motion, state: State | None = None) -> Trace:
         """The angle that the joint takes and the one that the sensor sees, before calibration."""

@@ -1,5 +1,6 @@
 """Several commands, uneven sampling, responses that swing: recovered from made recordings."""
 
+import json
 from dataclasses import replace
 
 import numpy as np
@@ -8,6 +9,7 @@ import pytest
 from pipeline.config import DiagnosisConfig, HeldoutConfig, ToleranceConfig
 from pipeline.discrepancy.fit import evaluate, ground_of, improve
 from pipeline.discrepancy.inputs import input_shares, said_shares
+from pipeline.discrepancy.model import ModelError, as_json, from_json
 from pipeline.discrepancy.noise import NoiseModel
 from pipeline.discrepancy.problem import pose_problem
 from pipeline.physics.coupling import Coupling
@@ -16,6 +18,7 @@ from pipeline.physics.motion import Motion
 from pipeline.physics.response_lag import ResponseLag
 from pipeline.recording import Recording
 from pipeline.stages.diagnosis import diagnose
+from pipeline.stages.prediction import predict
 from tests.discrepancy.made import CHANNELS, NOISE, recorded
 
 ANGLE, SIMULATED, YAW = "pitch_angle_deg", "pitch_angle_sim_deg", "yaw_command_deg"
@@ -101,3 +104,38 @@ def test_a_mismatch_below_the_declared_accuracy_is_none():
     assert diagnosis.physics == ()
     strict = replace(config, tolerance=replace(tolerance, accuracy=0.3))
     assert diagnose(strict, recording).diagnoses[0].physics[0].name == "backlash"
+
+
+def test_what_repeats_below_the_declared_accuracy_is_corrected_and_bears_no_name():
+    recording = recorded({f"coupling/{YAW}": {"gain": 0.03}}, seed=3, two_axes=True)
+    config = DiagnosisConfig(ToleranceConfig(accuracy=1.0), HeldoutConfig("last_third"))
+    result = diagnose(config, recording)
+    (diagnosis,), (model,) = result.diagnoses, result.models
+    assert (diagnosis.verdict, diagnosis.physics) == ("no_mismatch", ())
+    assert diagnosis.calibration.gain == pytest.approx(1.02, abs=0.01)
+    assert diagnosis.calibration.offset == pytest.approx(0.4, abs=0.1)
+    assert diagnosis.calibration.smooth_error == pytest.approx(0.03 * 30.0 / np.sqrt(2.0), rel=0.1)
+    assert diagnosis.after.heldout_rmse < 1.1 * NOISE
+    stored = json.loads(json.dumps(as_json(model)))
+    answer = predict([from_json(stored, [YAW])], recording)[f"{ANGLE}_predicted"]
+    assert answer.to_numpy() == pytest.approx(result.evidence[0].after)
+    with pytest.raises(ModelError, match="command 'yaw_command_deg'"):
+        from_json(stored, [])
+
+
+def test_what_does_not_repeat_below_the_declared_accuracy_is_left_in():
+    rng = np.random.default_rng(8)
+    recording = recorded({}, seed=8, two_axes=True)
+    walk = recording.values(ANGLE) + 0.05 * np.cumsum(rng.normal(size=len(recording.samples)))
+    samples = recording.samples.assign(**{ANGLE: walk})
+    config = DiagnosisConfig(ToleranceConfig(accuracy=5.0), HeldoutConfig("last_third"))
+    (diagnosis,) = diagnose(config, Recording(samples, CHANNELS, "simulated")).diagnoses
+    assert diagnosis.verdict == "no_mismatch"
+    assert diagnosis.calibration.gain == pytest.approx(1.02, abs=0.02)
+    mean = np.mean((walk - 1.02 * recording.values(SIMULATED))[diagnosis_rows(recording)])
+    assert diagnosis.calibration.offset == pytest.approx(mean, abs=0.1)
+
+
+def diagnosis_rows(recording: Recording) -> slice:
+    """The rows that are fitted where the last third is held out, from the first reversal on."""
+    return slice(30, len(recording.samples) * 2 // 3)

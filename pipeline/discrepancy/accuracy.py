@@ -1,0 +1,40 @@
+"""What is smaller than the measurement's declared accuracy: calibration, and no name."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from pipeline.discrepancy.calibration import with_smooth_error
+from pipeline.discrepancy.choose import Choice
+from pipeline.discrepancy.explain import Explanation
+from pipeline.discrepancy.fit import Ground, evaluate
+from pipeline.discrepancy.force_noise import LEAST_SPELL, spell_of
+from pipeline.discrepancy.foretold import error_ahead
+from pipeline.discrepancy.noise import NoiseModel
+
+
+def calibrated_alone(explanation: Explanation, base: Choice) -> Choice:
+    """The choice without terms, calibrated where all that is left is the measurement's own error.
+
+    That error is declared by its size, so rows weigh alike: under noise that walks, the offset
+    would be where the zero was at first. And it may be the same wherever the mechanism is the same,
+    as a camera's is: a smooth error of the size declared, over the simulated angle and the other
+    commands, is taken in where it foretells later training rows better than gain and offset alone.
+    """
+    ground = base.fit.ground
+    accuracy, others = ground.problem.tolerance.accuracy, ground.problem.motion.others
+    smooth = replace(ground, nuisances=with_smooth_error(ground.nuisances, others, accuracy))
+    rows = np.flatnonzero(explanation.used)
+    choices = [replace(base, fit=evaluate(plainly(g, rows), ())) for g in (ground, smooth)]
+    return min(choices, key=lambda choice: error_ahead(choice, rows))
+
+
+def plainly(ground: Ground, rows: np.ndarray) -> Ground:
+    """The ground with white noise of the size that its calibration leaves on rows (indices).
+
+    Neighbouring rows that say the same count as one (`spell_of`).
+    """
+    white = ground.with_noise(NoiseModel(max(ground.problem.tolerance.accuracy, 1e-12)))
+    left = (ground.problem.measured - evaluate(white, ()).predicted)[rows]
+    size = float(np.sqrt(np.mean(left**2)))
+    return ground.with_noise(NoiseModel(size, spell=max(spell_of(left, rows), LEAST_SPELL)))
