@@ -17,6 +17,7 @@ from pipeline.discrepancy.inputs import input_shares, said_shares
 from pipeline.discrepancy.intervals import covariance_of, estimates, stated, wide_covariance
 from pipeline.discrepancy.mistaken import mistaken_frames
 from pipeline.discrepancy.model import CorrectedModel, Hypothesis
+from pipeline.discrepancy.noise import NoiseModel
 from pipeline.discrepancy.outliers import isolated
 from pipeline.discrepancy.problem import Problem, thinned
 from pipeline.discrepancy.proof import disproved, root_mean
@@ -85,10 +86,11 @@ def diagnose_measurement(
     )
     hypotheses = hypotheses_of(problem, explanation, best)
     rivals = tuple(h for h in hypotheses if set(h.names) != set(best.fit.names))
-    model = replace(model_of(measurement, problem, best, covariance), rivals=rivals)
+    model = model_of(measurement, problem, best, covariance, structure.wandering)
+    model = replace(model, rivals=rivals)
     evidence = evidence_of(recording, measurement, problem, explanation, model, hypotheses)
     physics = () if accurate else named_physics(explanation, best, evidence, structure, covariance)
-    noise = model.noise
+    noise = model.noise if structure.wandering is None else best.fit.ground.noise
     before, after = errors(evidence, evidence.before), errors(evidence, evidence.after)
     verdict = verdict_of(explanation, best, physics, structure)
     diagnosis = Diagnosis(
@@ -152,10 +154,14 @@ def mechanism_of(problem: Problem, choice: Choice) -> Mechanism:
 
 
 def model_of(
-    measurement: str, problem: Problem, choice: Choice, covariance: np.ndarray
+    measurement: str,
+    problem: Problem,
+    choice: Choice,
+    covariance: np.ndarray,
+    wandering: NoiseModel | None = None,
 ) -> CorrectedModel:
-    """What predicts the measurement from now on."""
-    small, noise = choice.fit.ground.problem, choice.fit.ground.noise
+    """What predicts the measurement from now on; wandering: its error, where noise is not all."""
+    small, noise = choice.fit.ground.problem, wandering or choice.fit.ground.noise
     if small.averaged is not None:
         noise = noise_of_samples(noise, problem, small.averaged, mechanism_of(problem, choice))
     return CorrectedModel(

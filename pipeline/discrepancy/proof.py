@@ -51,7 +51,8 @@ def disproved(
     if not (large and likely.correlation > SLOW and gain > -2.0 * np.log(CHANCE)):
         return structure
     share = min(likely.correlated**2 / mismatch_variance(explanation), 1.0)
-    return Structure(True, SLOWLY, share, min(structure.p_value, float(np.exp(-0.5 * gain))))
+    p_value = min(structure.p_value, float(np.exp(-0.5 * gain)))
+    return Structure(True, SLOWLY, share, p_value, wandering=likely)
 
 
 def refuted(problem: Problem, off: np.ndarray, counted: np.ndarray) -> bool:

@@ -7,6 +7,7 @@ import numpy as np
 from pipeline.discrepancy.choose import Choice
 from pipeline.discrepancy.explain import Explanation
 from pipeline.discrepancy.fit import evaluate, improve
+from pipeline.discrepancy.noise import NoiseModel
 from pipeline.discrepancy.noise_family import WALKS, Place
 from pipeline.discrepancy.rest import structured_rest
 
@@ -20,12 +21,16 @@ UNFOLLOWED = 0.7
 
 @dataclass(frozen=True)
 class Structure:
-    """Whether a residual is more than noise, where it shows, its share and how likely by chance."""
+    """Whether a residual is more than noise, where it shows, its share and how likely by chance.
+
+    wandering: how the noise and the structure together wander, where that was looked at.
+    """
 
     found: bool
     where: str | None
     share: float
     p_value: float
+    wandering: NoiseModel | None = None
 
 
 def absurd_calibration(choice: Choice) -> str | None:
