@@ -9,10 +9,11 @@ from pipeline.discrepancy.noise import NoiseModel, whitened
 from pipeline.discrepancy.noise_learning import NoisePrior
 
 JITTERS = (0.0, 0.08, 0.16, 0.3, 0.6, 1.2)
-WALKS = (0.0, 0.004, 0.01, 0.025, 0.06, 0.15)
+WALKS = (0.0, 0.004, 0.01, 0.017, 0.028, 0.045, 0.08, 0.15)
 SHAPES = ((0.0, 0.0), (1.0, 0.35), (1.0, 0.5), (1.0, 0.65), (1.0, 0.78), (0.5, 0.8))
 CAP = 16.0
 MIDDLE = 3
+MIDDLE_WALK = 4
 JITTER_COST = 0.5
 WALK_COST = 1.0
 
@@ -104,7 +105,7 @@ class NoiseFamily:
         shape = start[0]
         if self.still:
             return self.noise_at(start, self.weigh(start, filled)[1]), start
-        begins = {start, (shape, 0, 0), (shape, 0, MIDDLE)}
+        begins = {start, (shape, 0, 0), (shape, 0, MIDDLE_WALK)}
         begins |= {(shape, MIDDLE, 0)} if self.jitters else set()
         known = {place: self.weigh(place, filled, level_open=True) for place in begins}
         best = min(known, key=lambda place: known[place][0])
