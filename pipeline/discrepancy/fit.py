@@ -13,6 +13,7 @@ from pipeline.physics.mechanism import Mechanism, Piece, Trace
 from pipeline.physics.term import Parameter, Term
 
 ITERATIONS = 12
+DAMPINGS = 6
 TOLERANCE = 0.02
 PRIOR_WIDTH = 10.0
 SHARE_OF_VALUE = 0.02
@@ -250,42 +251,67 @@ def difference_step(p: Parameter, value: float) -> float:
 
 
 def improve(fit: Fit, iterations: int = ITERATIONS) -> Fit:
-    """Levenberg-Marquardt from a fit, within the bounds, until the cost stands still."""
+    """Levenberg-Marquardt from a fit, within the bounds, until the cost stands still.
+
+    Every other step goes by slopes that are corrected by what the step before it did (Broyden,
+    Math. Comp. 19 (1965) 577), in place of differences for every parameter.
+    """
     if not fit.pieces:
         return fit
-    ground = fit.ground
-    boxes = [ground.box(piece.term) for piece in fit.pieces]
-    low, high = (np.concatenate([getattr(b, n) for b in boxes]) for n in ("low", "high"))
-    precision = np.concatenate([b.precision for b in boxes])
-    centre = np.concatenate([b.centre for b in boxes])
-    damping = 1e-2
+    boxes = [fit.ground.box(piece.term) for piece in fit.pieces]
+    low, high, centre, precision = (
+        np.concatenate([getattr(b, n) for b in boxes])
+        for n in ("low", "high", "centre", "precision")
+    )
+    damping, slopes = 1e-2, None
     for _ in range(iterations):
+        known = slopes is None
+        slopes = _beside_nuisances(fit) if slopes is None else slopes
         values = np.concatenate([p.values for p in fit.pieces])
-        slopes = _beside_nuisances(fit)
         gradient = slopes.T @ fit.innovations - precision * (values - centre)
         normal = slopes.T @ slopes + np.diag(precision)
         stuck = ((values <= low) & (gradient < 0.0)) | ((values >= high) & (gradient > 0.0))
         stuck |= np.diag(normal) <= 1e-12
-        step = np.zeros(len(values))
-        better = None
-        for _ in range(6):
-            free = ~stuck
-            if not free.any():
-                return fit
-            a = normal[np.ix_(free, free)]
-            step[free] = np.linalg.solve(a + damping * np.diag(np.diag(a)), gradient[free])
-            trial = evaluate(ground, _with_values(fit.pieces, np.clip(values + step, low, high)))
-            if trial.cost < fit.cost:
-                better = trial
-                break
-            damping *= 8.0
-        if better is None:
-            return fit
-        gained = fit.cost - better.cost
-        fit, damping = better, damping / 6.0
-        if gained < TOLERANCE:
-            break
+        better, damping = _stepped(fit, normal, gradient, ~stuck, low, high, damping)
+        gained = 0.0 if better is None else fit.cost - better.cost
+        if known and gained < TOLERANCE:
+            return better or fit
+        if known and better is not None:
+            slopes = _corrected(slopes, fit, better, np.sqrt(np.diag(normal)))
+        else:
+            slopes = None
+        fit, damping = better or fit, 1e-2 if better is None else damping / 6.0
     return fit
+
+
+def _stepped(
+    fit: Fit, normal: np.ndarray, gradient: np.ndarray, free: np.ndarray,
+    low: np.ndarray, high: np.ndarray, damping: float,
+) -> tuple[Fit | None, float]:  # fmt: skip
+    """A better fit one step on, damped as much as that takes, and the damping; None if none is."""
+    if not free.any():
+        return None, damping
+    values = np.concatenate([p.values for p in fit.pieces])
+    step, a = np.zeros(len(values)), normal[np.ix_(free, free)]
+    for _ in range(DAMPINGS):
+        step[free] = np.linalg.solve(a + damping * np.diag(np.diag(a)), gradient[free])
+        trial = evaluate(fit.ground, _with_values(fit.pieces, np.clip(values + step, low, high)))
+        if trial.cost < fit.cost:
+            return trial, damping
+        damping *= 8.0
+    return None, damping
+
+
+def _corrected(slopes: np.ndarray, fit: Fit, better: Fit, sizes: np.ndarray) -> np.ndarray:
+    """Slopes (count, free) that explain all that a step did; sizes: (free,) of their columns."""
+    step = np.concatenate(
+        [b.values - a.values for a, b in zip(fit.pieces, better.pieces, strict=True)]
+    )
+    length = float(np.sum((sizes * step) ** 2))
+    if length <= 0.0:
+        return slopes
+    missed = fit.innovations - better.innovations - slopes @ step
+    return np.asarray(slopes + np.outer(missed, sizes**2 * step / length))
 
 
 def _beside_nuisances(fit: Fit) -> np.ndarray:
