@@ -29,11 +29,13 @@ class Lead:
 class Effects:
     """What every candidate of every term does to the nominal mechanism.
 
-    places: term and values of each candidate. columns: (n, k) change of the seen angle.
+    places: term and values of each candidate. columns: (n, k) change of the seen angle. sized: (k,)
+    whether each has a size to scale.
     """
 
     places: Sequence[tuple[Term, np.ndarray]]
     columns: np.ndarray
+    sized: np.ndarray
 
     def promising(
         self, fit: Fit, terms: Sequence[Term], most: int
@@ -45,11 +47,12 @@ class Effects:
         """
         allowed = {(t.name, t.form) for t in terms}
         wanted = [k for k, (t, _) in enumerate(self.places) if (t.name, t.form) in allowed]
-        gains = _gains(
-            fit, [self.places[k] for k in wanted], fit.nuisance[0] * self.columns[:, wanted]
-        )
+        columns = self.columns
+        if len(wanted) < len(self.places):
+            columns = columns[:, wanted]
+        gains = _gains(fit, self.sized[wanted], columns, float(fit.nuisance[0]))[0]
         own: dict[tuple[str, str], list[tuple[float, int]]] = {}
-        for k, (gain, _) in zip(wanted, gains, strict=True):
+        for k, gain in zip(wanted, gains, strict=True):
             term = self.places[k][0]
             own.setdefault((term.name, term.form), []).append((-gain, k))
         late = any(p.term.name in LATE for p in fit.pieces)
@@ -67,7 +70,7 @@ def effects_of(problem: Problem, terms: Sequence[Term]) -> Effects:
     columns = np.empty((len(nominal), len(places)))
     for k, (term, values) in enumerate(places):
         columns[:, k] = problem.trace((Piece(term, values),)).seen - nominal
-    return Effects(places, columns)
+    return Effects(places, columns, sized_of(places))
 
 
 def screen(fit: Fit, effects: Effects, terms: Sequence[Term], starts: int = 3) -> list[Lead]:
@@ -81,7 +84,8 @@ def screen(fit: Fit, effects: Effects, terms: Sequence[Term], starts: int = 3) -
         trace = respond_beside(fit, (*fit.pieces, Piece(term, values)), term)
         columns[:, k] = ground.answer(trace, fit.nuisance) - predicted
     best: dict[tuple[str, str], list[Lead]] = {}
-    for (term, values), (gain, factor) in zip(places, _gains(fit, places, columns), strict=True):
+    gains, factors = _gains(fit, sized_of(places), columns)
+    for (term, values), gain, factor in zip(places, gains, factors, strict=True):
         if gain > 0.0:
             scaled = clipped(fit, term, term.scaled(values, factor))
             best.setdefault((term.name, term.form), []).append(Lead(term, scaled, gain))
@@ -90,31 +94,29 @@ def screen(fit: Fit, effects: Effects, terms: Sequence[Term], starts: int = 3) -
 
 
 def _gains(
-    fit: Fit, places: Sequence[tuple[Term, np.ndarray]], columns: np.ndarray
-) -> list[tuple[float, float]]:
-    """Fall of the cost by one step along each column (n, k), and the factor of that step."""
+    fit: Fit, sized: np.ndarray, columns: np.ndarray, scale: float = 1.0
+) -> tuple[np.ndarray, np.ndarray]:
+    """Fall of the cost by one step along each column (n, k) times scale, and that step's factor.
+
+    The factor is the step's coefficient as far as a term can follow it, 1 where it has no size.
+    """
     ground = fit.ground
     d = ground.whiten(columns)
     basis = fit.basis
-    d = d - basis @ (basis.T @ d)
-    size = np.einsum("ij,ij->j", d, d)
-    along = d.T @ fit.innovations
-    out = []
-    for k, (term, values) in enumerate(places):
-        if size[k] <= 1e-9:
-            out.append((0.0, 1.0))
-            continue
-        factor = scale_of(term, values, along[k] / size[k])
-        out.append((float(2.0 * factor * along[k] - factor**2 * size[k]), factor))
-    return out
+    d -= basis @ (basis.T @ d)
+    size = scale**2 * np.einsum("ij,ij->j", d, d)
+    along = scale * (fit.innovations @ d)
+    moves = size > 1e-9
+    coefficient = along / np.where(moves, size, 1.0)
+    followed = np.where(coefficient > 0.0, 1.0, -1.0) * np.clip(np.abs(coefficient), *SCALES)
+    factor = np.where(sized & moves, followed, 1.0)
+    return np.where(moves, 2.0 * factor * along - factor**2 * size, 0.0), factor
 
 
-def scale_of(term: Term, values: np.ndarray, coefficient: float) -> float:
-    """The coefficient, as far as the term can follow it; 1 where it has no size to scale."""
-    if np.array_equal(term.scaled(values, 2.0), values):
-        return 1.0
-    size = float(np.clip(abs(coefficient), *SCALES))
-    return size if coefficient > 0.0 else -size
+def sized_of(places: Sequence[tuple[Term, np.ndarray]]) -> np.ndarray:
+    """Whether each term with its values has a size to scale, a mask."""
+    same = [np.array_equal(term.scaled(values, 2.0), values) for term, values in places]
+    return ~np.array(same, dtype=bool)
 
 
 def clipped(fit: Fit, term: Term, values: np.ndarray) -> np.ndarray:
