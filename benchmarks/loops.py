@@ -1,0 +1,94 @@
+"""Loops with memory beside SciPy: python benchmarks/loops.py
+
+1800 samples, nine cycles of +-60 deg, one thread, best of 200 in turn. `loop` is the compiled loop
+alone, `term` all that a fit pays for one answer of a mechanism. Peers: scipy.signal.lfilter as the
+quickest recursion at hand (a first-order lag and nothing else), and scipy.integrate.solve_ivp
+(LSODA, rtol 1e-6) on a Bouc-Wen loop over the same motion, the usual way to simulate friction with
+pre-sliding.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+import timing
+from scipy.integrate import solve_ivp
+from scipy.signal import lfilter
+
+from pipeline.physics import balance as at_joint
+from pipeline.physics.backlash import play
+from pipeline.physics.catalogue import term
+from pipeline.physics.mechanism import Mechanism, Piece
+from pipeline.physics.motion import Motion
+
+SAMPLES, CYCLES, ROUNDS = 1800, 9, 200
+WANTED_US = 20.0
+LOOPS = {
+    "friction": {"friction": [5.0, 4.0, 0.7]},
+    "creep": {"creep": [0.2, 9.0]},
+    "lag": {"response_lag": [2.0]},
+    "friction, creep": {"friction": [5.0, 4.0, 0.7], "creep": [0.2, 9.0]},
+    "friction, creep, lag": {
+        "friction": [5.0, 4.0, 0.7], "creep": [0.2, 9.0], "response_lag": [2.0],
+    },
+    "stop": {"end_stop": [30.0, 0.3]},
+    "friction, stop": {"friction": [5.0, 4.0, 0.7], "end_stop": [30.0, 0.3]},
+    "gravity": {"gravity": [4.0, 0.4]},
+    "slack": {"slack": [8.0, 0.0, 0.2, 0.05]},
+    "slack, creep": {"slack": [8.0, 0.0, 0.2, 0.05], "creep": [0.2, 9.0]},
+}  # fmt: skip
+
+
+def cycles() -> Motion:
+    """The motion that all are timed on."""
+    phase = np.arange(SAMPLES) * CYCLES / SAMPLES % 1.0
+    drive = 60.0 * np.interp(phase, [0.0, 0.25, 0.75, 1.0], [0.0, 1.0, -1.0, 0.0])
+    return Motion(drive, 3.0 * np.arange(SAMPLES), np.zeros(SAMPLES, dtype=np.int64))
+
+
+def loop_of(mechanism: Mechanism, motion: Motion) -> Callable[[], object]:
+    """The compiled loop that a mechanism in balance runs, ready to be called again."""
+    compiled, given = at_joint.balance, []
+    at_joint.balance = lambda *arguments: (given.extend(arguments), compiled(*arguments))[1]
+    mechanism.respond(motion)
+    at_joint.balance = compiled
+    return lambda: compiled(*given)
+
+
+def bouc_wen(motion: Motion) -> np.ndarray:
+    """The hysteretic part of a Bouc-Wen loop along a motion, (n,)."""
+    time, drive = motion.time_s, motion.drive
+    speed = np.diff(drive) / np.diff(time)
+    last = len(speed) - 1
+
+    def slope(t: float, z: np.ndarray) -> np.ndarray:
+        v = speed[min(int(t / time[1]), last)]
+        return v - 0.5 * abs(v) * z / 4.0 - 0.5 * v * abs(z) / 4.0
+
+    return solve_ivp(slope, (time[0], time[-1]), [0.0], "LSODA", time, rtol=1e-6, max_step=3.0).y[0]
+
+
+def main() -> None:
+    motion = cycles()
+    pole = np.exp(-3.0 / 2.0)
+    rivals: dict[str, Callable[[], object]] = {
+        "play": lambda: play(motion.drive, 2.0, 0.0),
+        "scipy lfilter (lag)": lambda: lfilter([1.0 - pole], [1.0, -pole], motion.drive),
+    }
+    whole = {}
+    for name, parts in LOOPS.items():
+        pieces = [Piece(term(n), np.array(values)) for n, values in parts.items()]
+        mechanism = Mechanism(pieces=pieces)
+        rivals[name] = loop_of(mechanism, motion)
+        whole[name] = lambda m=mechanism: m.respond(motion)
+    timing.ROUNDS = ROUNDS
+    loops, terms = timing.best_s(rivals), timing.best_s(whole)
+    timing.ROUNDS = 3
+    loops |= timing.best_s({"scipy solve_ivp (Bouc-Wen)": lambda: bouc_wen(motion)})
+    print(f"{'':27}{'loop':>10}{'term':>10}  us for {SAMPLES} samples, wanted <= {WANTED_US:g}")
+    for name, time_s in loops.items():
+        term_us = f"{1e6 * terms[name]:10.1f}" if name in terms else ""
+        print(f"{name:27}{1e6 * time_s:10.1f}{term_us}")
+
+
+if __name__ == "__main__":
+    main()
