@@ -1,7 +1,7 @@
 """Choosing terms: a beam over sets, every parameter refitted, polished by deletion and swap."""
 
 from collections.abc import Container, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -25,6 +25,8 @@ SECOND_SIDE = 1.0
 WORTH = 150.0
 EARLIER = 6
 LAGGARD, CLEAR = 0.3, 60.0
+
+ABSURD, OFF_SCALE = 2.0, 5.0
 
 SIDED = ("contact", "end_stop")
 
@@ -84,8 +86,11 @@ class Search:
 
 
 def complexity(fit: Fit) -> float:
-    """The charge for a fit's terms and for those of their parameters that are not at a bound."""
-    charge = 0.0
+    """The charge for a fit's terms and for those of their parameters that are not at a bound.
+
+    A calibration that can be none explains as little as a term that amounts to nothing.
+    """
+    charge = 0.0 if absurd_calibration(fit) is None else VOID
     for i, piece in enumerate(fit.pieces):
         charge += VOID if piece.term.void(piece.values) else 0.0
         again = piece.term.name in SIDED and piece.term.name in fit.names[:i]
@@ -94,6 +99,21 @@ def complexity(fit: Fit) -> float:
             nothing = p.weak or (value <= p.low and p.typical > 0.0)
             charge += AT_BOUND if nothing else np.log(independent(fit.ground))
     return charge
+
+
+def absurd_calibration(fit: Fit) -> str | None:
+    """Which part of the calibration no calibration can be, in words.
+
+    A gain that is off by a factor of two, or turned round, speaks of units or wiring; an offset
+    beyond all that the simulation moves, too.
+    """
+    around = fit.ground.problem.around
+    gain, offset = fit.nuisance[:2]
+    if not 1.0 / ABSURD < gain < ABSURD:
+        return f"the gain, which is {gain:.3g}"
+    if abs(offset) > max(around.angle_span, OFF_SCALE * fit.ground.nuisances.deviations[1]):
+        return f"the offset, which is {offset:.3g} {around.angle_unit}"
+    return None
 
 
 def independent(ground: Ground) -> float:
@@ -105,10 +125,17 @@ def independent(ground: Ground) -> float:
 
 
 def choose(search: Search, ground: Ground) -> list[Choice]:
-    """Choices by a beam, not yet polished; each set of terms once."""
+    """Choices by a beam, not yet polished; each set of terms once.
+
+    Where nothing repeats, noise that walks is as likely all that was left out: the first terms are
+    then looked for beside noise that does not.
+    """
     base = search.weighed(evaluate(ground, ()), (0, 0, 0))
     found = {base.fit.key: base}
     beam = [base]
+    if wanders(base.place) and search.family.prior.repeats == 0:
+        fit, place = search.stilled(base.fit, base.place, 0)
+        beam = [replace(base, fit=fit, place=place)]
     for _ in range(MOST_TERMS):
         before = min(c.score for c in found.values())
         level: dict[Key, Choice] = {}

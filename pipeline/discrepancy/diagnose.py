@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from pipeline.discrepancy.accuracy import calibrated_alone
-from pipeline.discrepancy.choose import Choice
+from pipeline.discrepancy.choose import Choice, absurd_calibration
 from pipeline.discrepancy.explain import Explanation, explain, not_excited
 from pipeline.discrepancy.fit import evaluate, improve
 from pipeline.discrepancy.force_delay import delay_of, late
@@ -33,7 +33,6 @@ from pipeline.discrepancy.ties import Standing, by_names, standing, weights_of
 from pipeline.discrepancy.verdict import (
     FAR,
     Structure,
-    absurd_calibration,
     fewer,
     follows,
     intolerable,
@@ -65,7 +64,7 @@ def diagnose_measurement(
     best = explanation.choices[0]
     structure = structure_of(explanation, best)
     base = next(c for c in explanation.choices if not c.fit.pieces)
-    accurate, absurd = within_accuracy(explanation, base), absurd_calibration(best)
+    accurate, absurd = within_accuracy(explanation, base), absurd_calibration(best.fit)
     if accurate:
         best = calibrated_alone(explanation, base)
         structure = Structure(False, None, structure.share, structure.p_value)

@@ -45,9 +45,9 @@ def foretelling(choices: Sequence[Choice]) -> list[Choice]:
 def foretold_part(choices: Sequence[Choice], choice: Choice, structured: bool) -> Choice:
     """What of a choice later training rows bear out, where nothing repeats.
 
-    A name stays whose absence would raise the mean square error ahead; the rest is refitted. Where
-    a structured rest is left it has to be by a tenth, and all go where what stays takes away less
-    than seven tenths of what calibration alone leaves.
+    A name stays whose absence would raise the mean square error ahead above the least so far; the
+    rest is refitted. Where a structured rest is left it has to be by a tenth, and all go where what
+    stays takes away less than seven tenths of what calibration alone leaves.
     """
     base = next(c for c in choices if not c.fit.pieces)
     rows = np.flatnonzero(choice.fit.ground.used)
@@ -59,11 +59,12 @@ def foretold_part(choices: Sequence[Choice], choice: Choice, structured: bool) -
         k = int(np.argmin(errors))
         if errors[k] > needed * left:
             break
-        choice, left = trials[k], errors[k]
+        choice, left = trials[k], min(left, errors[k])
     if not structured:
         return choice
     whole = error_ahead(base, rows) ** 2
-    return choice if choice.fit.pieces and left < (1.0 - ENOUGH) * whole else base
+    enough = error_ahead(choice, rows) ** 2 < (1.0 - ENOUGH) * whole
+    return choice if choice.fit.pieces and enough else base
 
 
 def _without(choice: Choice, name: str) -> Choice:

@@ -15,7 +15,7 @@ CHANCE = 1e-5
 SMALLEST_SIZE = 0.2
 SLOW = 0.87
 ENOUGH = 0.7
-ABSURD, FAR = 2.0, 5.0
+FAR = 5.0
 UNFOLLOWED = 0.7
 
 
@@ -31,21 +31,6 @@ class Structure:
     share: float
     p_value: float
     wandering: NoiseModel | None = None
-
-
-def absurd_calibration(choice: Choice) -> str | None:
-    """Which part of the calibration no calibration can be, in words.
-
-    A gain that is off by a factor of two, or turned round, speaks of units or wiring; an offset
-    beyond all that the simulation moves, too.
-    """
-    around = choice.fit.ground.problem.around
-    gain, offset = choice.fit.nuisance[:2]
-    if not 1.0 / ABSURD < gain < ABSURD:
-        return f"the gain, which is {gain:.3g}"
-    if abs(offset) > max(around.angle_span, FAR * choice.fit.ground.nuisances.deviations[1]):
-        return f"the offset, which is {offset:.3g} {around.angle_unit}"
-    return None
 
 
 def intolerable(choice: Choice) -> bool:
