@@ -5,12 +5,21 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from pipeline.discrepancy.fit import Fit, Ground, calibrated, evaluate, improve, parameters_of
+from pipeline.discrepancy.fit import (
+    Fit,
+    Ground,
+    calibrated,
+    evaluate,
+    improve,
+    parameters_of,
+    respond_beside,
+)
 from pipeline.discrepancy.moments import settle_moments
 from pipeline.discrepancy.noise_family import NoiseFamily
-from pipeline.discrepancy.screen import Effects, Lead, screen, started
+from pipeline.discrepancy.screen import PROMISING, Effects, Lead, gains_of, screen, started
 from pipeline.physics.catalogue import richer
 from pipeline.physics.coupling import Coupling
+from pipeline.physics.lost_steps import JUMP_2
 from pipeline.physics.mechanism import Piece
 from pipeline.physics.term import Term
 
@@ -111,7 +120,7 @@ def absurd_calibration(fit: Fit) -> str | None:
     gain, offset = fit.nuisance[:2]
     if not 1.0 / ABSURD < gain < ABSURD:
         return f"the gain, which is {gain:.3g}"
-    if abs(offset) > max(around.angle_span, OFF_SCALE * fit.ground.nuisances.deviations[1]):
+    if abs(offset) > max(around.angle_span, OFF_SCALE * fit.ground.problem.tolerance.offset):
         return f"the offset, which is {offset:.3g} {around.angle_unit}"
     return None
 
@@ -144,8 +153,11 @@ def choose(search: Search, ground: Ground) -> list[Choice]:
                 level[child.fit.key] = child
         if not level:
             break
-        found |= {k: c for k, c in level.items() if k not in found or c.score < found[k].score}
         beam = promising(list(level.values()), base.score)
+        if parent is base:
+            beam = [grown(search, c) for c in beam]
+            level |= {c.fit.key: c for c in beam}
+        found |= {k: c for k, c in level.items() if k not in found or c.score < found[k].score}
         if beam[0].score > before + LEAST_GAIN:
             break
     best = min(found.values(), key=lambda c: c.score)
@@ -261,9 +273,24 @@ def _reformed(fit: Fit, place: int, term: Term) -> Fit:
         starts[:, [names.index(name) for name in had]] = old.values
         starts = np.unique(starts, axis=0)
     before, after = fit.pieces[:place], fit.pieces[place + 1 :]
+    if any(p.stepwise for p in parameters_of(fit.ground, term)):
+        starts = _sized(fit, place, term, starts)
     trials = [evaluate(fit.ground, (*before, Piece(term, values), *after)) for values in starts]
     trials.sort(key=lambda t: t.cost)
-    return min((improve(t, 8) for t in trials[:2]), key=lambda t: t.cost)
+    return min((settle_moments(improve(t, 8)) for t in trials[:2]), key=lambda t: t.cost)
+
+
+def _sized(fit: Fit, place: int, term: Term, starts: np.ndarray) -> np.ndarray:
+    """The starts (k, p) of a second slip that promise most, each with the jump that suits it."""
+    before, after = fit.pieces[:place], fit.pieces[place + 1 :]
+    traces = [respond_beside(fit, (*before, Piece(term, v), *after), term) for v in starts]
+    answers = [fit.ground.answer(t, fit.nuisance) for t in traces]
+    columns = np.column_stack(answers) - fit.predicted[:, None]
+    gains, factors = gains_of(fit, np.ones(len(starts), dtype=bool), columns)
+    best = np.argsort(-gains)[:PROMISING]
+    out = starts[best]
+    out[:, JUMP_2] *= factors[best]
+    return out
 
 
 def polished(search: Search, choices: list[Choice]) -> list[Choice]:

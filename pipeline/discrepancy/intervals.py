@@ -3,7 +3,7 @@
 import numpy as np
 
 from pipeline.discrepancy.fit import Fit, parameters_of
-from pipeline.discrepancy.moments import moments, moved
+from pipeline.discrepancy.moments import moments, moments_of, moved
 from pipeline.discrepancy.noise_family import NoiseFamily, Place
 from pipeline.discrepancy.result import Estimate
 from pipeline.physics.mechanism import Piece
@@ -90,14 +90,15 @@ def estimates(fit: Fit, covariance: np.ndarray) -> list[tuple[Piece, tuple[Estim
     k = len(fit.nuisance)
     for i, piece in enumerate(fit.pieces):
         own = []
-        for p, value in zip(parameters_of(fit.ground, piece.term), piece.values, strict=True):
+        parameters = parameters_of(fit.ground, piece.term)
+        for j, (p, value) in enumerate(zip(parameters, piece.values, strict=True)):
             variance, scale = covariance[k, k], 1.0
             if p.measured:
                 scale = gain
                 variance = gain**2 * variance + value**2 * covariance[0, 0]
                 variance += 2.0 * gain * value * covariance[0, k]
             if p.stepwise:
-                low, high = moment_interval(fit, i)
+                low, high = moment_interval(fit, i, j)
             else:
                 reach = DEVIATIONS * np.sqrt(max(variance, 0.0))
                 low, high = sorted((scale * p.low, scale * p.high))
@@ -108,30 +109,29 @@ def estimates(fit: Fit, covariance: np.ndarray) -> list[tuple[Piece, tuple[Estim
     return out
 
 
-def moment_interval(fit: Fit, place: int) -> tuple[float, float]:
+def moment_interval(fit: Fit, place: int, parameter: int) -> tuple[float, float]:
     """The fitted samples between which the slip lies, as far as the cost tells them apart [s]."""
     time_s = fit.ground.problem.motion.time_s[fit.ground.used]
     times = moments(fit)
-    near = int(np.argmin(np.abs(times - fit.pieces[place].values[1])))
+    near = int(np.argmin(np.abs(times - fit.pieces[place].values[parameter])))
     first = last = near
-    while first > 0 and near - first < FARTHEST and _as_good(fit, place, times[first - 1]):
+
+    def as_good(k: int) -> bool:
+        near_enough = 0 <= k < len(times) and abs(k - near) <= FARTHEST
+        return near_enough and moved(fit, place, parameter, times[k]).cost < fit.cost + FALL
+
+    while as_good(first - 1):
         first -= 1
-    while (
-        last < len(times) - 1 and last - near < FARTHEST and _as_good(fit, place, times[last + 1])
-    ):
+    while as_good(last + 1):
         last += 1
     return float(time_s[first]), float(time_s[last + 1])
-
-
-def _as_good(fit: Fit, place: int, moment_s: float) -> bool:
-    return moved(fit, place, moment_s).cost < fit.cost + FALL
 
 
 def undated(fit: Fit, time_s: np.ndarray) -> np.ndarray:
     """At which times (n,) a fitted slip may or may not have happened, a mask."""
     out = np.zeros(len(time_s), dtype=bool)
     for k, piece in enumerate(fit.pieces):
-        if any(p.stepwise for p in parameters_of(fit.ground, piece.term)):
-            low, high = moment_interval(fit, k)
+        for j in moments_of(fit, piece):
+            low, high = moment_interval(fit, k, j)
             out |= (time_s > low) & (time_s < high)
     return out

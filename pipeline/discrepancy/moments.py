@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from pipeline.discrepancy.fit import Fit, evaluate, improve
+from pipeline.discrepancy.fit import Fit, evaluate, improve, parameters_of
 from pipeline.physics.mechanism import Piece
 
 STRIDES = (4, 1)
@@ -10,20 +10,23 @@ TRIED = 6
 
 
 def settle_moments(fit: Fit) -> Fit:
-    """The fit with the moment of a slip moved to the fitted sample before which it fits best."""
+    """The fit with each moment of a slip moved to the sample before which it fits best."""
     for i, piece in enumerate(fit.pieces):
-        if piece.term.name != "lost_steps":
-            continue
-        times = moments(fit)
-        for stride in STRIDES:
-            near = int(np.argmin(np.abs(times - fit.pieces[i].values[1])))
-            places = range(
-                max(near - stride * TRIED, 0), min(near + stride * TRIED + 1, len(times)), stride
-            )
-            best = min((moved(fit, i, times[k]) for k in places), key=lambda t: t.cost)
-            if best.cost < fit.cost:
-                fit = improve(best, 3)
+        for j in moments_of(fit, piece):
+            times = moments(fit)
+            for stride in STRIDES:
+                near = int(np.argmin(np.abs(times - fit.pieces[i].values[j])))
+                first, last = near - stride * TRIED, near + stride * TRIED
+                places = range(max(first, 0), min(last + 1, len(times)), stride)
+                best = min((moved(fit, i, j, times[k]) for k in places), key=lambda t: t.cost)
+                if best.cost < fit.cost:
+                    fit = improve(best, 3)
     return fit
+
+
+def moments_of(fit: Fit, piece: Piece) -> list[int]:
+    """Which of a piece's parameters are moments."""
+    return [j for j, p in enumerate(parameters_of(fit.ground, piece.term)) if p.stepwise]
 
 
 def moments(fit: Fit) -> np.ndarray:
@@ -32,10 +35,10 @@ def moments(fit: Fit) -> np.ndarray:
     return 0.5 * (time_s[1:] + time_s[:-1])
 
 
-def moved(fit: Fit, place: int, moment_s: float) -> Fit:
-    """The fit with the moment of one of its terms elsewhere."""
+def moved(fit: Fit, place: int, parameter: int, moment_s: float) -> Fit:
+    """The fit with a moment (`parameter`) of one of its terms elsewhere."""
     values = fit.pieces[place].values.copy()
-    values[1] = moment_s
+    values[parameter] = moment_s
     pieces = (
         *fit.pieces[:place],
         Piece(fit.pieces[place].term, values),

@@ -50,7 +50,7 @@ class Effects:
         columns = self.columns
         if len(wanted) < len(self.places):
             columns = columns[:, wanted]
-        gains = _gains(fit, self.sized[wanted], columns, float(fit.nuisance[0]))[0]
+        gains = gains_of(fit, self.sized[wanted], columns, float(fit.nuisance[0]))[0]
         own: dict[tuple[str, str], list[tuple[float, int]]] = {}
         for k, gain in zip(wanted, gains, strict=True):
             term = self.places[k][0]
@@ -84,7 +84,7 @@ def screen(fit: Fit, effects: Effects, terms: Sequence[Term], starts: int = 3) -
         trace = respond_beside(fit, (*fit.pieces, Piece(term, values)), term)
         columns[:, k] = ground.answer(trace, fit.nuisance) - predicted
     best: dict[tuple[str, str], list[Lead]] = {}
-    gains, factors = _gains(fit, sized_of(places), columns)
+    gains, factors = gains_of(fit, sized_of(places), columns)
     for (term, values), gain, factor in zip(places, gains, factors, strict=True):
         if gain > 0.0:
             scaled = clipped(fit, term, term.scaled(values, factor))
@@ -93,7 +93,7 @@ def screen(fit: Fit, effects: Effects, terms: Sequence[Term], starts: int = 3) -
     return sorted(leads, key=lambda lead: -lead.gain)
 
 
-def _gains(
+def gains_of(
     fit: Fit, sized: np.ndarray, columns: np.ndarray, scale: float = 1.0
 ) -> tuple[np.ndarray, np.ndarray]:
     """Fall of the cost by one step along each column (n, k) times scale, and that step's factor.

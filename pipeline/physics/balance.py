@@ -8,10 +8,10 @@ divided by the stiffness of the wire, so that it is the angle [angle unit] by wh
 way. What a slack or toeing wire gives way besides depends on its whole force, k theta + f, k being
 the joint's own stiffness over the wire's. Where f exceeds the wires' pretension, one of the two
 hangs slack and the other gives way twice as much. Slips are springs with dry sliders in series
-(Iwan, J. Appl. Mech. 33 (1966) 893), arms are springs with dashpots in series (Maxwell). A
-dashpot beside them, drag theta', holds the joint where it was when a dwell began; over a dwell of
-length t it pulls as a spring of stiffness r / (exp(r t / drag) - 1), which is exact where all else
-is linear with the stiffness r. `equilibrium.py` solves it.
+(Iwan, J. Appl. Mech. 33 (1966) 893), bristles bend and let go (`pre_sliding.py`), arms are springs
+with dashpots in series (Maxwell). A dashpot beside them, drag theta', holds the joint where it was
+when a dwell began; over a dwell of length t it pulls as a spring of stiffness r / (exp(r t / drag)
+- 1), which is exact where all else is linear with the stiffness r. `equilibrium.py` solves it.
 """
 
 from collections.abc import Mapping, Sequence
@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from pipeline.physics.mechanism import Piece
 
 NO_SLIP = np.zeros((0, 3))
+NO_BRISTLE = np.zeros((0, 4))
 NO_ARM = np.zeros((0, 2))
 NO_GIVE = np.zeros((0, 4))
 NO_CONTACT = np.zeros((0, 4))
@@ -38,6 +39,7 @@ class Load:
     """What a term adds to the balance.
 
     slip: (m, 3) stiffness [1], force limit against rising and against falling [angle unit].
+    bristle: (b, 4) stiffness [1], force limits as of a slip, and release [1].
     arm: (a, 2) stiffness [1] and time constant [s] of a spring with a dashpot (Maxwell).
     smooth: (4,) linear [1], cubic [1/angle^2], gravity [angle] and gravity's zero [rad].
     contact: (c, 4) side (+1, -1), angle, stiffness [1], and the depth [angle] over which that
@@ -53,6 +55,7 @@ class Load:
     """
 
     slip: np.ndarray = field(default_factory=lambda: NO_SLIP)
+    bristle: np.ndarray = field(default_factory=lambda: NO_BRISTLE)
     arm: np.ndarray = field(default_factory=lambda: NO_ARM)
     smooth: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
     contact: np.ndarray = field(default_factory=lambda: NO_CONTACT)
@@ -89,6 +92,7 @@ def settle(
         for p, key in zip(pieces, keys, strict=True)
     ]
     slip, arm = stacked([load.slip for load in loads]), stacked([load.arm for load in loads])
+    bristle = stacked([load.bristle for load in loads])
     give, contact = (
         stacked([load.give for load in loads]),
         stacked([load.contact for load in loads]),
@@ -101,7 +105,7 @@ def settle(
     for load in loads:
         if load.pushed is not None:
             pushed += load.pushed
-    carried = np.zeros(4 + len(slip) + len(arm)) if state is None else state.copy()
+    carried = np.zeros(4 + len(slip) + len(bristle) + len(arm)) if state is None else state.copy()
     drag, dwell = sum(load.drag for load in loads), pushed
     if len(arm) or drag > 0.0:
         dwell = motion.dwell_s if state is None else np.diff(motion.time_s, prepend=carried[0])
@@ -109,7 +113,7 @@ def settle(
     if len(asked):
         pretension = min(NEVER, *(load.pretension for load in loads))
         balance(
-            np.ascontiguousarray(asked), pushed, dwell, slip, arm, float(drag),
+            np.ascontiguousarray(asked), pushed, dwell, slip, bristle, arm, float(drag),
             (*(float(x) for x in smooth[1:]), motion.radian, contact), (give, loose, pretension),
             float(smooth[0]), state is None, carried[1:], np.zeros(len(arm)), angle,
         )  # fmt: skip

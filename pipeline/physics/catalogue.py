@@ -79,8 +79,14 @@ def force_terms() -> tuple[Term, ...]:
 def richer(term: Term) -> tuple[Term, ...]:
     """Forms of a term that hold more of the real thing; their first parameters are the same."""
     others: dict[tuple[str, str], tuple[Term, ...]] = {
+        ("lost_steps", "once"): (LostSteps("twice"),),
         ("transmission_ripple", "first"): (TransmissionRipple("second"),),
-        ("friction", "symmetric"): (Friction("asymmetric"),),
+        ("friction", "symmetric"): (
+            Friction("asymmetric"),
+            Friction("bristle"),
+            Friction("bristle asymmetric"),
+        ),
+        ("friction", "capstan"): (CapstanFriction("capstan bristle"),),
         ("creep", "one"): (Creep("two"),),
         ("tension_loss", "linear"): (TensionLoss("late"), TensionLoss("settling")),
         ("contact", "upper"): (Contact("upper unloading"),),

@@ -2,11 +2,14 @@
 
 While a joint moves one way, a slider either sticks, and is a spring, or slides, and is a constant
 load: all of them together are one straight line, which changes only where the joint turns or
-where the next slider begins to slide. What is left is a smooth equation for one angle.
+where the next slider begins to slide. A bristle is a curved line. What is left is a smooth equation
+for one angle.
 """
 
 import numpy as np
 from numba import njit
+
+from pipeline.physics.pre_sliding import bristled
 
 SWEEPS = 40
 PRECISE = 1e-6
@@ -95,7 +98,7 @@ def _rested(at, theta, asked, stiff, pull, tangent, body, strings):  # type: ign
     equation's bend, told from the slope before at `theta`, moves the angle by less than PRECISE.
     Where wires hang loose, it is the equation of their pull, which never gets steep.
     """
-    cubic, gravity, zero, radian, contact = body
+    cubic, gravity, zero, radian, contact, bristle, bent = body
     give, loose, pretension = strings
     low, high, under, over = -NEVER, NEVER, -1.0, 1.0
     slope, yielding = tangent[0], tangent[1]
@@ -107,6 +110,16 @@ def _rested(at, theta, asked, stiff, pull, tangent, body, strings):  # type: ign
             steep += 3.0 * cubic * at * at
         if contact.shape[0] > 0 or gravity != 0.0:
             other, steeper = _stops(at, radian, gravity, zero, contact)
+            load += other
+            steep += steeper
+        for j in range(bristle.shape[0]):
+            stiffness, up, down, release = (
+                bristle[j, 0],
+                bristle[j, 1],
+                bristle[j, 2],
+                bristle[j, 3],
+            )
+            other, steeper = bristled(bent[j], at - theta, stiffness, up, down, release)
             load += other
             steep += steeper
         more, softer, wires = _wires(at, load, steep, give, pretension)
@@ -202,7 +215,16 @@ def _moved(at, theta, asked, stiff, pull, tangent, body, strings, straight, bank
 def _straight(body, strings):  # type: ignore[no-untyped-def]
     """Whether nothing bends the equation but sliders."""
     bent = body[0] != 0.0 or body[1] != 0.0 or body[4].shape[0] > 0
+    bent = bent or body[5].shape[0] > 0
     return not bent and strings[0].shape[0] + strings[1].shape[0] == 0 and strings[2] >= NEVER
+
+
+@inlined
+def _bend(step, bristle, bent):  # type: ignore[no-untyped-def]
+    """Forces of the bristles (in place) after a step of the joint."""
+    for j in range(bristle.shape[0]):
+        stiffness, up, down, release = bristle[j, 0], bristle[j, 1], bristle[j, 2], bristle[j, 3]
+        bent[j] = bristled(bent[j], step, stiffness, up, down, release)[0]
 
 
 @inlined
@@ -235,23 +257,26 @@ def _relax(theta, far, arm, gone):  # type: ignore[no-untyped-def]
 
 @njit(cache=True, fastmath=True, error_model="numpy", _nrt=False)  # type: ignore[call-overload]
 def balance(  # type: ignore[no-untyped-def]
-    q, pushed, dwell, slip, arm, drag, body, strings, softest, fresh, state, gone, out
+    q, pushed, dwell, slip, bristle, arm, drag, body, strings, softest, fresh, state, gone, out
 ):
     """Joint angles `out` for the asked angles `q`, (n,) each, and the state to carry (in place).
 
-    state: q + pushed, angle, forces of the sliders, far ends of the arms, stiffness r. A sample is
-    taken after its dwell: first the joint moves at once, then the arms relax and it settles again.
+    state: q + pushed, angle, forces of the sliders and of the bristles, far ends of the arms,
+    stiffness r. A sample is taken after its dwell: first the joint moves at once, then the arms
+    relax and it settles again.
     body: cubic, gravity, its zero, radian, contacts. strings: gives, loose wires, pretension. gone:
     (a,) to work in. A tangent is the equation's slope, one over it, and how far the joint moves for
     what is asked and for a load.
     """
     m, arms = slip.shape[0], arm.shape[0]
-    ends, far = state[2 : 2 + m], state[2 + m : -1]
+    n = m + bristle.shape[0]
+    ends, bent, far = state[2 : 2 + m], state[2 + m : 2 + n], state[2 + n : -1]
+    alone, body = (*body, bristle[:0], bent), (*body, bristle, bent)
     straight = _straight(body, strings)
     tangent, asked, theta, firm = (1.0, 1.0, 1.0, 1.0), state[0], state[1], state[-1]
     if fresh:
         asked, firm = q[0] + pushed[0], 1.0
-        theta, tangent = _rested(asked, asked, q[0], softest, pushed[0], tangent, body, strings)
+        theta, tangent = _rested(asked, asked, q[0], softest, pushed[0], tangent, alone, strings)
         far[:] = theta
     _ends(1.0, theta, ends, slip)
     bank = _line(1.0, theta, ends, slip)
@@ -265,19 +290,21 @@ def balance(  # type: ignore[no-untyped-def]
             stiff += held_back
             pull += held_back * theta
         now = q[t] + pushed[t]
-        at, asked = theta + (now - asked) * tangent[2], now
+        at, asked, last = theta + (now - asked) * tangent[2], now, theta
         theta, tangent, bank = _moved(
             at, theta, q[t], stiff, pull, tangent, body, strings, straight, bank, slip, ends
         )
+        _bend(theta - last, bristle, bent)
         if arms > 0:
             if eased != tangent[3] or abs(dwell[t] - relaxed) > SAME_DWELL * relaxed:
                 eased, relaxed = tangent[3], dwell[t]
                 _let_go(eased, relaxed, arm, gone)
             late = _relax(theta, far, arm, gone)
-            at, pull = theta + late * eased, pull + late
+            at, pull, last = theta + late * eased, pull + late, theta
             theta, tangent, bank = _moved(
                 at, theta, q[t], stiff, pull, tangent, body, strings, straight, bank, slip, ends
             )
+            _bend(theta - last, bristle, bent)
         if drag > 0.0:
             firm = max(1.0 / tangent[3] - held_back, SOFTEST)
         out[t] = theta

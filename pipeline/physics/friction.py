@@ -13,8 +13,10 @@ class Friction(Term):
 
     Element i yields after reach_i = reach * (1 - spread + spread * e_i), where e_i are the
     quantiles of an exponential distribution with mean 1; all together resist with `width` / 2.
-    spread = 0 is one elasto-plastic slider, spread = 1 comes close to Dahl's curve. Sources: Iwan
-    (1966); Al-Bender and Swevers, IEEE Control Systems 28(6) (2008) 64.
+    spread = 0 is one elasto-plastic slider, spread = 1 comes close to Dahl's curve. Forms "bristle"
+    and "bristle asymmetric" are one bristle instead (see `pre_sliding.py`): full loops of Dahl's,
+    LuGre's at low speed or Bouc and Wen's model look like a bank's, but their small ones drift.
+    Sources: Iwan (1966); Al-Bender and Swevers, IEEE Control Systems 28(6) (2008) 64.
     """
 
     name = "friction"
@@ -33,15 +35,20 @@ class Friction(Term):
         own = (
             Parameter("width", unit, 0.0, 0.9 * span, 0.05 * span, 0.05 * span),
             Parameter("reach", unit, 1e-3 * span, 1.0 * span, 0.05 * span, 0.05 * span),
-            Parameter("spread", "", 0.0, 1.0, 0.7, 0.3),
+            Parameter("release", "", 0.0, 1.0, 0.8, 0.0)
+            if "bristle" in self.form
+            else Parameter("spread", "", 0.0, 1.0, 0.7, 0.3),
         )
-        if self.form != "asymmetric":
+        if "asymmetric" not in self.form:
             return own
         return (*own, Parameter("asymmetry", "", -0.9, 0.9, 0.0, 0.3))
 
     def load(self, values: np.ndarray, motion: Motion, state: np.ndarray | None) -> Load:
         width, reach, spread = values[:3]
         asymmetry = values[3] if len(values) > 3 else 0.0
+        if "bristle" in self.form:
+            limits = 0.5 * width * (1.0 + asymmetry), 0.5 * width * (1.0 - asymmetry)
+            return Load(bristle=np.array([[0.5 * width / reach, *limits, spread]]))
         reaches = reach * (1.0 - spread + spread * QUANTILES)
         limit = 0.5 * width / ELEMENTS
         slip = np.empty((ELEMENTS, 3))
@@ -51,7 +58,7 @@ class Friction(Term):
         return Load(slip=slip)
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
-        tail = [0.0] if self.form == "asymmetric" else []
+        tail = [0.0] if "asymmetric" in self.form else []
         return np.array(
             [
                 [width * around.angle_span, reach * around.angle_span, 0.7, *tail]

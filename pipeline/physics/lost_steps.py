@@ -6,10 +6,11 @@ from pipeline.physics.motion import Motion
 from pipeline.physics.term import NO_STATE, Parameter, Surroundings, Term
 
 MOMENTS = 150
+JUMP_2 = 2
 
 
 class LostSteps(Term):
-    """x(t) = u(t) + jump * [t >= time]; jump [drive unit], time [s].
+    """x(t) = u(t) + jump * [t >= time]; jump [drive unit], time [s]; in form "twice" two of these.
 
     The motor's count no longer belongs to the shaft's angle: a stepper that loses steps, a coupling
     or a set screw that slips. Source: definition.
@@ -19,23 +20,48 @@ class LostSteps(Term):
     site = "actuator"
     before_curve = True
     says = "The shaft slipped by {jump} at {time}, and its zero has been off since."
+    says_twice = "The shaft slipped by {jump} at {time} and by {jump_2} at {time_2}."
+
+    def __init__(self, form: str = "once") -> None:
+        self.form = form
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
         span = around.drive_span
-        return (
-            Parameter("jump", around.drive_unit, -span, span, 0.03 * span, 0.03 * span),
-            Parameter("time", "s", around.start_s, around.end_s, around.start_s, 0.0, True),
+        return tuple(
+            p
+            for tail in (("",) if self.form == "once" else ("", "_2"))
+            for p in (
+                Parameter(f"jump{tail}", around.drive_unit, -span, span, 0.03 * span, 0.03 * span),
+                Parameter(
+                    f"time{tail}", "s", around.start_s, around.end_s, around.start_s, 0.0, True
+                ),
+            )
         )
 
     def respond(
         self, signal: np.ndarray, motion: Motion, values: np.ndarray, state: np.ndarray | None
     ) -> tuple[np.ndarray, np.ndarray]:
-        return signal + values[0] * (motion.time_s >= values[1]), NO_STATE
+        out = signal.astype(float)
+        for jump, time_s in zip(values[0::2], values[1::2], strict=True):
+            out = out + jump * (motion.time_s >= time_s)
+        return out, NO_STATE
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
         rows = np.unique(np.linspace(4, len(motion) - 5, MOMENTS).astype(int))
-        jump = np.full(len(rows), 0.01 * around.drive_span)
-        return np.column_stack([jump, motion.time_s[rows] - 1e-6])
+        times, size = motion.time_s[rows] - 1e-6, 0.01 * around.drive_span
+        if self.form == "once":
+            return np.column_stack([np.full(len(rows), size), times])
+        first = [size, float(times[len(times) // 2])]
+        return np.array([[*first, size, t] for t in times])
 
     def excited(self, motion: Motion, around: Surroundings) -> bool:
         return len(motion) > 20
+
+    def sentence(self, values: np.ndarray, around: Surroundings) -> str:
+        if self.form == "once":
+            return super().sentence(values, around)
+        named = {
+            p.name: f"{abs(v):.3g} {p.unit}"
+            for p, v in zip(self.parameters(around), values, strict=True)
+        }
+        return self.says_twice.format(**named)

@@ -40,6 +40,51 @@ def sliding(
     return out, np.concatenate([position[-1:], carried])
 
 
+@njit(cache=True, error_model="numpy")
+def bristled(force, step, stiffness, up, down, release):  # type: ignore[no-untyped-def]
+    """The force of a bristle after a step of the contact, and its slope by that step.
+
+    f' = stiffness (1 - f / limit) in the direction of the step, limit being `up` or `down`; while f
+    still helps the step, stiffness (1 + release |f| / limit). release = 1 is Dahl's bristle, 0 that
+    of Bouc and Wen with equal shares, which lets go as a spring. Exact for any step. Source: Dahl,
+    AIAA J. 14 (1976) 1675; Wen, J. Eng. Mech. 102 (1976) 249 (n = 1).
+    """
+    side, limit = (1.0, up) if step >= 0.0 else (-1.0, down)
+    if limit <= 0.0:
+        return 0.0, 0.0
+    share, way = side * force / limit, stiffness * abs(step) / limit
+    if share < 0.0:
+        free = np.log(1.0 - release * share) / release if release > 1e-6 else -share
+        if way < free:
+            if release > 1e-6:
+                share = (1.0 - (1.0 - release * share) * np.exp(-release * way)) / release
+            else:
+                share += way
+            return side * limit * share, stiffness * (1.0 - release * share)
+        share, way = 0.0, way - free
+    left = (1.0 - share) * np.exp(-way)
+    return side * limit * (1.0 - left), stiffness * left
+
+
+@njit(cache=True)
+def _dragged(position, at, reach, release, force):  # type: ignore[no-untyped-def]
+    out = np.empty(position.size)
+    for i in range(position.size):
+        force = bristled(force, position[i] - at, 1.0 / reach, 1.0, 1.0, release)[0]
+        at = position[i]
+        out[i] = force
+    return out
+
+
+def dragging(
+    position: np.ndarray, reach: float, release: float, state: np.ndarray | None
+) -> tuple[np.ndarray, np.ndarray]:
+    """As `sliding`, of one bristle that gives way over `reach` (see `bristled`)."""
+    at, force = (float(position[0]), 0.0) if state is None else (float(state[0]), float(state[1]))
+    out = _dragged(np.ascontiguousarray(position), at, reach, release, force)
+    return out, np.array([position[-1], out[-1]])
+
+
 def weighted(share: np.ndarray, asymmetry: float) -> np.ndarray:
     """A share (n,) that is 1 + asymmetry times as large where it is positive, 1 - where not."""
     return share * (1.0 + asymmetry * np.sign(share))

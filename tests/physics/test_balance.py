@@ -143,3 +143,28 @@ def test_loose_wires_balance_whatever_holds_the_joint():
     motion = triangle(2)
     out = answer(motion, *pieces)
     assert np.abs(np.diff(out)).max() < 1.5 * np.abs(np.diff(motion.drive)).max()
+
+
+@pytest.mark.parametrize("release", [0.0, 1.0])
+def test_a_bristle_follows_its_equation_where_the_wire_is_stiff(release):
+    """f' = k (1 - f / limit) with the motion, k (1 + release |f| / limit) while it still helps."""
+    motion = line(0.0, 10.0, 400)
+    drive = np.concatenate([motion.drive, motion.drive[::-1], motion.drive])
+    motion = Motion(drive, np.arange(1200.0), np.zeros(1200, dtype=int))
+    theta = answer(motion, Piece(Friction("bristle"), np.array([0.2, 2.0, release])))
+    force, expected = 0.0, np.zeros(1200)
+    for i, step in enumerate(np.diff(theta, prepend=theta[0])):
+        for _ in range(50):
+            share = force * np.sign(step) / 0.1
+            force += step / 50 * 0.05 * (1.0 - (share if share > 0 else release * share))
+        expected[i] = force
+    np.testing.assert_allclose(drive - theta, expected, atol=2e-4)
+
+
+def test_a_bristle_goes_on_where_it_was():
+    motion = triangle(2)
+    piece = Piece(Friction("bristle asymmetric"), np.array([5.0, 4.0, 0.6, 0.3]))
+    whole = answer(motion, piece)
+    first, state = Mechanism(pieces=(piece,)).respond(motion.rows(slice(0, 130)))
+    second = Mechanism(pieces=(piece,)).respond(motion.rows(slice(130, None)), state)[0]
+    np.testing.assert_allclose(np.concatenate([first, second]), whole, atol=1e-6)
