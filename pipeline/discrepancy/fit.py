@@ -17,6 +17,7 @@ DAMPINGS = 6
 TOLERANCE = 0.02
 PRIOR_WIDTH = 10.0
 SHARE_OF_VALUE = 0.02
+FAR = 5.0
 
 
 @dataclass(frozen=True)
@@ -91,10 +92,17 @@ class Ground:
 
 
 def ground_of(problem: Problem, noise: NoiseModel, used: np.ndarray) -> Ground:
-    """The ground of a problem's fits."""
-    around = problem.around
+    """The ground of a problem's fits.
+
+    Where the simulation's zero is off by more than FAR of what was declared, the declaration is
+    refuted, and no term shall bend anything to spare the offset: it may be as large as it is.
+    """
+    around, tolerance = problem.around, problem.tolerance
+    off = abs(float(np.median((problem.measured - problem.simulated)[used])))
+    if off > FAR * tolerance.offset:
+        tolerance = replace(tolerance, offset=off)
     return Ground(
-        problem, noise, used, nuisances_of(problem.tolerance, around.angle_low, around.angle_span)
+        problem, noise, used, nuisances_of(tolerance, around.angle_low, around.angle_span)
     )
 
 
@@ -172,7 +180,7 @@ def respond(ground: Ground, pieces: Sequence[Piece]) -> Trace:
 def respond_beside(fit: Fit, pieces: Sequence[Piece], changed: Term) -> Trace:
     """The angles of pieces that differ from a fit's in one term only."""
     problem = fit.ground.problem
-    if changed.before_curve or problem.averaged is not None:
+    if changed.before_curve or not problem.by_row(pieces):
         return problem.trace(pieces)
     mechanism, known = Mechanism(problem.curve, pieces), fit.trace
     if changed.in_balance:

@@ -18,6 +18,7 @@ HELD_OUT_EVERY = 3
 STATIC_ERROR = 2e-3
 FEWEST_SAMPLES = 40
 MOST_ROWS = 3000
+MOST_SAMPLES = 60_000
 MIXED = 0.05
 MOST_KEPT = 500
 
@@ -80,12 +81,30 @@ class Averaged:
 
 
 @dataclass(frozen=True)
+class Picked:
+    """Rows (indices) that were picked of a motion's samples.
+
+    Terms that go by time answer on every sample: between picked rows the command is not held.
+    """
+
+    motion: Motion
+    rows: np.ndarray
+
+    def trace(self, mechanism: Mechanism) -> Trace:
+        """What a mechanism does in the picked rows."""
+        trace = mechanism.trace(self.motion)
+        asked, body, seen = (x[self.rows] for x in (trace.asked, trace.body, trace.seen))
+        return Trace(asked, body, seen, trace.state)
+
+
+@dataclass(frozen=True)
 class Problem:
     """Arrays are (n,). measured is NaN where nothing was measured.
 
     simulated: the simulation as it came. curve: of the drive, see `static`. train, heldout: masks
     that part the measured rows; `train` is all that fit, noise and choice may look at. averaged:
-    the samples behind rows that are block means. derivatives: of the position that a force is
+    the samples behind rows that are block means. picked: those behind rows that are every k-th.
+    derivatives: of the position that a force is
     measured against. delay: by how much that force was recorded later than its motion.
     """
 
@@ -100,6 +119,7 @@ class Problem:
     drive: str
     static: bool
     averaged: Averaged | None = None
+    picked: Picked | None = None
     derivatives: Derivatives | None = None
     delay: Delay = Delay()
 
@@ -115,9 +135,16 @@ class Problem:
     def trace(self, pieces: Sequence[Piece]) -> Trace:
         """What a mechanism of some pieces does over all rows, without calibration."""
         mechanism = Mechanism(self.curve, pieces)
-        if self.averaged is None:
-            return mechanism.trace(self.motion)
-        return self.averaged.trace(mechanism)
+        if self.averaged is not None:
+            return self.averaged.trace(mechanism)
+        if self.picked is not None and any(piece.term.timed for piece in pieces):
+            return self.picked.trace(mechanism)
+        return mechanism.trace(self.motion)
+
+    def by_row(self, pieces: Sequence[Piece]) -> bool:
+        """Whether the rows alone say what pieces do, without samples behind them."""
+        timed = any(piece.term.timed for piece in pieces)
+        return self.averaged is None and not (timed and self.picked is not None)
 
     def rows(self, wanted: np.ndarray) -> "Problem":
         """The same problem on some of its rows (indices)."""
@@ -155,6 +182,15 @@ def refuse_unfit(
     config: HeldoutConfig, measurement: str, train: np.ndarray, heldout: np.ndarray
 ) -> None:
     """Raise DiagnosisError where masks (n,) leave too few rows to fit on, or none as a proof."""
+    if not (train | heldout).any():
+        raise DiagnosisError(
+            refusal(
+                f"measurement {measurement!r}",
+                "samples that were measured, and simulated",
+                f"none in {len(train)} rows",
+                "Measure it, or take the channel and its simulation out of recording.json.",
+            )
+        )
     if not heldout.any():
         raise DiagnosisError(
             refusal(
@@ -314,15 +350,23 @@ def surroundings_of(
 def thinned(problem: Problem) -> tuple[Problem, int]:
     """At most about MOST_ROWS rows to fit on, every k-th and all reversals; and k.
 
-    Rows after the last one to fit on tell a fit nothing and are left out.
+    At most about MOST_SAMPLES samples stand behind them for terms that go by time. Rows after the
+    last one to fit on tell a fit nothing and are left out.
     """
     problem = problem.rows(np.arange(np.flatnonzero(problem.train)[-1] + 1))
-    n = len(problem.motion)
-    every = -(-n // MOST_ROWS)
+    every = -(-len(problem.motion) // MOST_ROWS)
     if every == 1:
         return problem, 1
-    keep = np.zeros(n, dtype=bool)
-    keep[::every] = True
+    coarse = -(-len(problem.motion) // MOST_SAMPLES)
+    fine = problem.rows(every_kth(problem, coarse)) if coarse > 1 else problem
+    keep = every_kth(fine, -(-len(fine.motion) // MOST_ROWS))
+    return replace(fine.rows(keep), picked=Picked(fine.motion, keep)), every
+
+
+def every_kth(problem: Problem, k: int) -> np.ndarray:
+    """Every k-th row of a problem and all reversals, as indices."""
+    keep = np.zeros(len(problem.motion), dtype=bool)
+    keep[::k] = True
     for signal in (problem.motion.drive, *problem.motion.others.values()):
         keep[reversals_of(signal)] = True
-    return problem.rows(np.flatnonzero(keep)), every
+    return np.flatnonzero(keep)

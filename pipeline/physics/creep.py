@@ -23,6 +23,7 @@ class Creep(Term):
     name = "creep"
     site = "transmission"
     in_balance = True
+    timed = True
     says = "Part of each motion ({share}) arrives late, with a time constant of {time_constant}."
 
     def __init__(self, form: str = "one") -> None:

@@ -17,6 +17,7 @@ class FrameLag(Term):
     name = "frame_lag"
     site = "sensor"
     group = "lag"
+    timed = True
     says = "The camera's frame is old: it shows the pose of {lag} before."
 
     def __init__(self, form: str = "time") -> None:

@@ -9,6 +9,7 @@ from pipeline.physics.motion import Motion
 from pipeline.physics.term import Parameter, Surroundings, Term
 
 NEARLY_CRITICAL = 1e-6
+DENSE = 200
 
 
 @njit(cache=True)
@@ -42,6 +43,11 @@ def swung(
     return out, np.array([x, v])
 
 
+def usual_lag_s(around: Surroundings) -> float:
+    """A lag that is usual: a dwell, or a small part of a cycle that is sampled densely [s]."""
+    return max(around.dwell_s, around.period_s / DENSE, 1e-9)
+
+
 class ResponseLag(Term):
     """x' = (u - x) / tau of a joint without other loads, for a command held through each dwell.
 
@@ -55,6 +61,7 @@ class ResponseLag(Term):
     name = "response_lag"
     site = "body"
     group = "lag"
+    timed = True
     says = "The whole motion comes late, with a time constant of {time_constant}."
     says_of_second = (
         "The whole motion swings after the command, with a natural frequency of "
@@ -67,13 +74,14 @@ class ResponseLag(Term):
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
         dwell = max(around.dwell_s, 1e-9)
+        longest, usual = max(30.0 * dwell, 0.15 * around.period_s), usual_lag_s(around)
         if self.form == "second":
-            low, high = 0.03 / dwell, 6.0 / dwell
+            low, high = 1.0 / longest, 6.0 / dwell
             return (
-                Parameter("natural_frequency", "rad/s", low, high, 1.0 / dwell, 0.0),
+                Parameter("natural_frequency", "rad/s", low, high, 1.0 / usual, 0.0),
                 Parameter("damping", "", 0.02, 5.0, 0.7, 0.5),
             )
-        return (Parameter("time_constant", "s", 0.0, 30.0 * dwell, dwell, dwell),)
+        return (Parameter("time_constant", "s", 0.0, longest, usual, usual),)
 
     def load(self, values: np.ndarray, motion: Motion, state: np.ndarray | None) -> Load:
         return Load(drag=float(values[0]))
@@ -88,16 +96,12 @@ class ResponseLag(Term):
         return out, np.concatenate([motion.time_s[-1:], last])
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
-        dwell = max(around.dwell_s, 1e-9)
+        dwell, usual = max(around.dwell_s, 1e-9), usual_lag_s(around)
+        lags = {k * unit for k in (0.3, 0.7, 1.5, 4.0) for unit in (dwell, usual)}
         if self.form == "second":
-            return np.array(
-                [
-                    [pace / dwell, damping]
-                    for pace in (0.15, 0.5, 1.5)
-                    for damping in (0.2, 0.6, 1.2)
-                ]
-            )
-        return dwell * np.array([[0.3], [0.7], [1.5], [4.0]])
+            paces = {k / unit for k in (0.15, 0.5, 1.5) for unit in (dwell, usual)}
+            return np.array([[p, damping] for p in sorted(paces) for damping in (0.2, 0.6, 1.2)])
+        return np.array(sorted(lags))[:, None]
 
     def scaled(self, values: np.ndarray, factor: float) -> np.ndarray:
         """A lag of about `factor` times the size; a swing is as slow as its frequency is low."""

@@ -69,14 +69,20 @@ class Surroundings:
     top_acceleration: float = 0.0
     simulated: bool = False
 
+    @property
+    def period_s(self) -> float:
+        """How long a cycle takes."""
+        return (self.end_s - self.start_s) / max(self.cycles, 1)
+
 
 class Term:
     """One piece of physics; subclasses say what it does to a signal.
 
     name: the catalogue's name. form: which of several forms of it ("" where there is one).
     site: where in the chain it acts. before_curve: True where it acts on the drive, before the
-    nominal curve. adds: whether what it adds does not depend on the signal. says: one line that a
-    mechanic understands, with `{parameter}` fields.
+    nominal curve. adds: whether what it adds does not depend on the signal. timed: whether its
+    answer needs every sample, as what it does within a dwell depends on how long that is. says: one
+    line that a mechanic understands, with `{parameter}` fields.
     """
 
     name: ClassVar[str]
@@ -84,6 +90,7 @@ class Term:
     before_curve: bool = False
     in_balance: bool = False
     adds: bool = False
+    timed: ClassVar[bool] = False
     group: ClassVar[str] = ""
     says: ClassVar[str]
     form: str = ""
