@@ -230,7 +230,7 @@ def _read_head(path: Path) -> dict[str, object]:
                     "folder with recording.json and samples.csv or samples.parquet.")
         )  # fmt: skip
     try:
-        head = json.loads(path.read_text(encoding="utf-8"))
+        head = json.loads(path.read_text(encoding="utf-8-sig"))
     except (json.JSONDecodeError, UnicodeDecodeError) as error:
         raise RecordingError(
             refusal(str(path), "JSON", f"{error}", "Mend the file or write it anew.")
@@ -318,9 +318,9 @@ def _read_samples(path: Path, channels: Sequence[Channel]) -> pd.DataFrame:
             header = samples = pd.read_parquet(path)
             columns = [str(c) for c in header.columns]
         else:
-            with path.open(encoding="utf-8", newline="") as file:
+            with path.open(encoding="utf-8-sig", newline="") as file:
                 columns = [c.strip() for c in next(csv.reader(file), [])]
-            samples = pd.read_csv(path, skipinitialspace=True)
+            samples = pd.read_csv(path, skipinitialspace=True, encoding="utf-8-sig")
     except (OSError, ValueError, UnicodeDecodeError) as error:
         raise RecordingError(
             refusal(str(path), "a table of samples", f"{error}", "Write the file anew.")

@@ -62,6 +62,8 @@ def next_experiment(evidence: Evidence, verdict: str) -> Proposal | None:
     if verdict in ("partly_explained", "unknown_physics"):
         return explore(drive, drive.habit)
     rivals = rivals_of(evidence.hypotheses)
+    if len(rivals) < 2 and verdict == "ambiguous":
+        rivals = [*evidence.hypotheses[:2]]
     return separate(evidence, drive, drive.habit, rivals) if len(rivals) > 1 else None
 
 

@@ -17,6 +17,7 @@ SLOW = 0.87
 ENOUGH = 0.7
 FAR = 5.0
 UNFOLLOWED = 0.7
+FORM_ERROR = 0.05
 
 
 @dataclass(frozen=True)
@@ -35,9 +36,9 @@ class Structure:
 
 def intolerable(choice: Choice) -> bool:
     """Whether gain or offset is off by more than FAR of its declared tolerances."""
-    nuisances = choice.fit.ground.nuisances
-    off = np.abs(choice.fit.nuisance - nuisances.expected) / nuisances.deviations
-    return bool(np.any(off[:2] > FAR))
+    tolerance = choice.fit.ground.problem.tolerance
+    gain, offset = np.abs(choice.fit.nuisance[:2] - [1.0, 0.0])
+    return bool(gain > FAR * tolerance.gain or offset > FAR * tolerance.offset)
 
 
 def within_accuracy(explanation: Explanation, base: Choice) -> bool:
@@ -49,9 +50,8 @@ def within_accuracy(explanation: Explanation, base: Choice) -> bool:
 def follows(explanation: Explanation, choice: Choice) -> bool:
     """Whether the explanation tells the measurement's variation better than its mean would."""
     measured = explanation.problem.measured[explanation.used]
-    moves = float(np.std(explanation.problem.simulated[explanation.used])) > 0.0
     noisy = explanation.prior.model.deviation > 0.5 * float(np.std(measured))
-    if not moves or (noisy and not choice.fit.pieces):
+    if noisy and not choice.fit.pieces:
         return True
     return mean_square(explanation, choice) < UNFOLLOWED * float(np.var(measured))
 
@@ -111,26 +111,44 @@ def mismatch_variance(explanation: Explanation) -> float:
 def fewer(explanation: Explanation, choice: Choice) -> Choice:
     """At most one name where a structured rest shows that these terms only mop it up.
 
-    The best single term stays if it alone explains most of the mismatch; otherwise none does.
+    Where that rest is less than a twentieth of the mismatch (RMS), all names stay that explain more
+    than they leave together: then it is the form of a term. Else the best single term stays if it
+    alone explains most of the mismatch; otherwise none does.
     """
     if not choice.fit.pieces:
         return choice
     if explanation.problem.motion.kinetics is not None:
         return weightier(explanation, choice)
     base = next(c for c in explanation.choices if not c.fit.pieces)
-    singles = [c for c in explanation.choices if len(set(c.fit.names)) == 1]
-    if not singles:
-        return base
-    single = min(singles, key=lambda c: c.score)
     noise = explanation.prior.model.deviation**2
-    left, before = (mean_square(explanation, c) - noise for c in (single, base))
+    before = mean_square(explanation, base) - noise
+    if rest_of(choice, explanation) ** 2 < FORM_ERROR**2 * before:
+        return weightier(explanation, choice)
+    single = min(singles(explanation, choice), key=lambda c: c.score)
+    left = mean_square(explanation, single) - noise
     return single if left < (1.0 - ENOUGH) * before else base
 
 
-def weightier(explanation: Explanation, choice: Choice) -> Choice:
-    """Only terms of force that explain more than all of them together leave.
+def rest_of(choice: Choice, explanation: Explanation) -> float:
+    """Size (RMS) [measurement's unit] of the largest structure that a choice leaves."""
+    rests = structured_rest(choice, explanation.search.family)
+    return max((r.size for r in rests), default=0.0)
 
-    What explains less may merely mop up the rest. Forces add, so that the others need not go.
+
+def singles(explanation: Explanation, choice: Choice) -> list[Choice]:
+    """Choices of one name: those found, and each name of a choice fitted alone."""
+    found = [c for c in explanation.choices if len(set(c.fit.names)) == 1]
+    for name in dict.fromkeys(choice.fit.names):
+        own = [p for p in choice.fit.pieces if p.term.name == name]
+        fit = improve(evaluate(choice.fit.ground, own))
+        found.append(explanation.search.weighed(fit, choice.place))
+    return found
+
+
+def weightier(explanation: Explanation, choice: Choice) -> Choice:
+    """Only terms that explain more than all of them together leave.
+
+    What explains less may merely mop up the rest.
     """
     left = mean_square(explanation, choice)
     for piece in choice.fit.pieces:
