@@ -76,6 +76,14 @@ def test_parquet_is_read_like_csv(tmp_path):
     pd.testing.assert_frame_equal(load_recording(folder).samples, csv.samples)
 
 
+def test_a_byte_order_mark_belongs_to_no_column(tmp_path):
+    save_recording(a_recording(), tmp_path)
+    for name in ("samples.csv", "recording.json"):
+        file = tmp_path / name
+        file.write_bytes(b"\xef\xbb\xbf" + file.read_bytes())
+    pd.testing.assert_frame_equal(load_recording(tmp_path).samples, a_recording().samples)
+
+
 def test_cycle_and_step_are_found_from_the_reversals(tmp_path):
     folder = written(tmp_path)
     whole = load_recording(folder)

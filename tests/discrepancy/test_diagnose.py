@@ -4,13 +4,14 @@ import json
 from dataclasses import replace
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from pipeline.config import DiagnosisConfig, HeldoutConfig
 from pipeline.discrepancy.problem import DiagnosisError, held_out_rows
 from pipeline.discrepancy.result import VERDICTS, as_json
 from pipeline.physics.motion import Motion
-from pipeline.recording import Recording
+from pipeline.recording import Channel, Recording
 from pipeline.stages.diagnosis import diagnose
 from tests.discrepancy.made import NOISE, recorded
 
@@ -191,6 +192,13 @@ def test_two_samples_are_refused():
         diagnosed(short)
 
 
+def test_a_measurement_of_which_nothing_was_measured_is_refused():
+    recording = recorded({})
+    empty = changed(recording, **{ANGLE: np.full(len(recording.samples), np.nan)})
+    with pytest.raises(DiagnosisError, match=r"measured, and simulated; found none in 720 rows"):
+        diagnosed(empty)
+
+
 def test_a_measurement_without_simulation_is_refused():
     recording = recorded({})
     bare = replace(recording, channels=recording.channels[:3])
@@ -245,6 +253,58 @@ def test_a_calibration_beyond_its_tolerance_is_still_calibration():
     assert diagnosis.verdict == "no_mismatch"
     assert diagnosis.calibration.gain == pytest.approx(1.3, abs=0.01)
     assert any("tolerance" in note for note in diagnosis.notes)
+
+
+def test_a_zero_that_is_far_off_draws_no_names():
+    diagnosis = diagnosed(recorded({"backlash": {"width": 4.0}}, seed=15, offset=400.0))
+    (found,) = diagnosis.diagnoses
+    assert names(diagnosis) == {"backlash"}
+    assert found.calibration.offset == pytest.approx(400.0, abs=0.1)
+    assert found.verdict == "partly_explained"
+    assert "offset" in found.unexplained.where
+
+
+def test_a_simulation_that_stands_still_explains_nothing():
+    recording = recorded({}, seed=16)
+    (found,) = diagnosed(changed(recording, **{SIMULATED: 0.0})).diagnoses
+    assert found.verdict == "unknown_physics"
+
+
+def test_two_slips_are_one_name_with_both_jumps():
+    recording = recorded({"lost_steps": {"jump": 3.0, "time": 400.0}}, seed=17)
+    back = np.where(recording.values("time_s") >= 1500.0, -1.4, 0.0)
+    result = diagnosed(changed(recording, **{ANGLE: recording.values(ANGLE) + back}))
+    assert names(result) == {"lost_steps"}
+    assert value_of(result, "lost_steps", "jump").value == pytest.approx(3.0, abs=0.2)
+    assert value_of(result, "lost_steps", "time_2").value == pytest.approx(1500.0, abs=10.0)
+
+
+def test_a_lag_of_a_dense_recording_is_found_on_every_sample():
+    """Fits see every 7th sample at 1 kHz; the lag is shorter than from one of these to the next."""
+    time_s = np.arange(20_000) * 1e-3
+    command = 40.0 * np.sin(2.0 * np.pi * 0.5 * time_s)
+    frequency = 2.0 * np.pi * 0.5 * 0.005
+    late = 40.0 / np.hypot(1.0, frequency) * np.sin(np.pi * time_s - np.arctan(frequency))
+    rng = np.random.default_rng(18)
+    samples = pd.DataFrame(
+        {
+            "time_s": time_s,
+            "cycle": (time_s // 2.0).astype(int),
+            "step": np.arange(20_000) % 2000,
+            "motor_deg": command,
+            "load_deg": late + 0.05 * rng.standard_normal(20_000),
+            "load_sim_deg": command,
+        }
+    )
+    channels = (
+        Channel("motor_deg", "command", "deg"),
+        Channel("load_deg", "measurement", "deg"),
+        Channel("load_sim_deg", "simulation", "deg", of="load_deg"),
+    )
+    result = diagnosed(Recording(samples, channels, "simulated"))
+    (physics,) = result.diagnoses[0].physics
+    assert "response_lag" in (physics.name, *physics.alternatives)
+    assert result.diagnoses[0].after.heldout_rmse == pytest.approx(0.05, rel=0.05)
 
 
 def test_a_zero_that_wanders_under_a_constant_command_is_drift():
