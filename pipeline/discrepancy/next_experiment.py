@@ -64,7 +64,11 @@ def next_experiment(evidence: Evidence, verdict: str) -> Proposal | None:
     rivals = rivals_of(evidence.hypotheses)
     if len(rivals) < 2 and verdict == "ambiguous":
         rivals = [*evidence.hypotheses[:2]]
-    return separate(evidence, drive, drive.habit, rivals) if len(rivals) > 1 else None
+    if len(rivals) > 1:
+        return separate(evidence, drive, drive.habit, rivals)
+    if verdict != "ambiguous":
+        return None
+    return Proposal("no motion would separate what bends one and the same curve", None, 0.0)
 
 
 def separate(

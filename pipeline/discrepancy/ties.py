@@ -7,6 +7,7 @@ import numpy as np
 from pipeline.discrepancy.choose import Choice
 from pipeline.discrepancy.intervals import covariance_of
 from pipeline.discrepancy.problem import Problem
+from pipeline.physics.catalogue import terms
 
 TIE = 9.0
 TEMPERATURE = 2.0
@@ -26,7 +27,7 @@ ALONG = 0.99
 class Standing:
     """How sure a name is: its probability, and the names that could stand in its place.
 
-    tied: whether one of them fits as well in these data.
+    tied: whether one of them fits as well in these data, or would in any (what bends one curve).
     """
 
     probability: float
@@ -54,7 +55,8 @@ def standing(name: str, best: Choice, choices: list[Choice], problem: Problem) -
             gaps.setdefault(next(iter(other)), choice.score - best.score)
     tied = [n for n, gap in gaps.items() if gap < TIE]
     known = [n for n in equivalents(name, problem) if n not in names(best) | set(tied)]
-    return Standing(probability, tuple(sorted(tied) + known), bool(tied))
+    unsettled = bool(tied) or bool(name in BENDS and known)
+    return Standing(probability, tuple(sorted(tied) + known), unsettled)
 
 
 def grows(choice: Choice) -> bool:
@@ -93,7 +95,8 @@ def equivalents(name: str, problem: Problem) -> list[str]:
     if other_dwells(problem) <= FEW:
         families += SAME_AT_ONE_DWELL
         families += SAME_AT_ONE_SPEED if other_steps(problem) <= FEW else ()
-    return sorted({n for family in families if name in family for n in family} - {name})
+    shown = {t.name for t in terms() if t.excited(problem.motion, problem.around)}
+    return sorted({n for family in families if name in family for n in family & shown} - {name})
 
 
 def in_step(problem: Problem) -> bool:

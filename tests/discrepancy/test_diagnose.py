@@ -85,6 +85,7 @@ def test_what_bends_the_curve_lists_all_that_could():
     diagnosis = diagnosed(recorded(hidden, seed=3)).diagnoses[0]
     bends = {"lens_distortion", "camera_tilt", "gravity", "compliance"}
     assert {diagnosis.physics[0].name, *diagnosis.physics[0].alternatives} == bends
+    assert diagnosis.verdict == "ambiguous"
 
 
 def test_a_coupling_needs_the_other_axis_to_move():
