@@ -39,6 +39,7 @@ from pipeline.discrepancy.verdict import (
     structure_of,
     within_accuracy,
 )
+from pipeline.discrepancy.zero import zero_at_end
 from pipeline.physics.catalogue import term
 from pipeline.physics.coupling import Coupling
 from pipeline.physics.differentiation import Derivatives
@@ -175,6 +176,7 @@ def model_of(
         force=problem.motion.kinetics is not None,
         simulated=problem.motion.kinetics is None or problem.around.simulated,
         delay_s=problem.delay.value,
+        zero=None if wandering else zero_at_end(problem, choice.fit),
     )
 
 
@@ -187,7 +189,7 @@ def hypotheses_of(
         distinct = [best]
     weights = weights_of(distinct)
     found = [
-        Hypothesis(c.fit.names, float(w), mechanism_of(problem, c))
+        Hypothesis(c.fit.names, float(w), mechanism_of(problem, c), zero_at_end(problem, c.fit))
         for c, w in sorted(
             zip(distinct, weights, strict=True), key=lambda x: (x[0] is not best, -x[1])
         )

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from pipeline.discrepancy.noise import NoiseModel
+from pipeline.discrepancy.zero import WalkedZero
 from pipeline.errors import LoopgapError, refusal
 from pipeline.physics.catalogue import term
 from pipeline.physics.kinematics import Beside, Curve, IdentityCurve, SampledCurve, SmoothError
@@ -23,11 +24,20 @@ class ModelError(LoopgapError):
 
 @dataclass(frozen=True)
 class Hypothesis:
-    """An explanation that competes: its names, its probability, and a mechanism that can answer."""
+    """An explanation that competes: its names, its probability, and a mechanism that can answer.
+
+    zero: where its own walk ended.
+    """
 
     names: tuple[str, ...]
     probability: float
     mechanism: Mechanism
+    zero: WalkedZero | None = None
+
+    def respond(self, motion: Motion) -> np.ndarray:
+        """What it expects to be measured, (n,)."""
+        answer = self.mechanism.respond(motion)[0]
+        return answer if self.zero is None else answer + self.zero.level * self.zero.later(motion)
 
 
 @dataclass(frozen=True)
@@ -38,7 +48,7 @@ class CorrectedModel:
     simulation of the measurement. covariance: of gain, offset, bends and all term parameters in
     their order. noise: of one measured sample. force: whether a force against the motion of `drive`
     is measured; simulated: whether a simulation says part of it; delay_s: how much later than its
-    motion it is recorded. rivals: the other explanations.
+    motion it is recorded. rivals: the other explanations. zero: where it stood at the end.
     """
 
     measurement: str
@@ -53,22 +63,28 @@ class CorrectedModel:
     simulated: bool = True
     delay_s: float = 0.0
     rivals: tuple[Hypothesis, ...] = ()
+    zero: WalkedZero | None = None
 
     def predict(self, motion: Motion) -> tuple[np.ndarray, np.ndarray]:
         """Expected measurement and its standard deviation, each (n,), from the motion alone.
 
         The deviation holds the noise, the walk since the first sample, what the parameters leave
         open and how far the rivals, by their probabilities, expect something else; the motion is
-        taken to begin where the model's recording began.
+        taken to begin where the model's recording began. After that recording's end, a zero that
+        walks goes on from where it stood then.
         """
         expected = self.mechanism.respond(motion)[0]
         slopes = np.column_stack(self._slopes(motion, expected))
         open_variance = np.maximum(np.einsum("ij,jk,ik->i", slopes, self.covariance, slopes), 0.0)
         noise = self.noise.deviation**2 + self.noise.jitter**2
         walked = self.noise.walk**2 * np.arange(len(expected))
+        if self.zero is not None:
+            later = self.zero.later(motion)
+            since = self.zero.deviation**2 + self.noise.walk**2 * np.cumsum(later)
+            expected, walked = expected + self.zero.level * later, np.where(later, since, walked)
         apart = np.zeros(len(expected))
         for rival in self.rivals:
-            apart += rival.probability * (rival.mechanism.respond(motion)[0] - expected) ** 2
+            apart += rival.probability * (rival.respond(motion) - expected) ** 2
         return expected, np.sqrt(noise + walked + open_variance + apart)
 
     def _slopes(self, motion: Motion, expected: np.ndarray) -> list[np.ndarray]:
@@ -132,16 +148,19 @@ def as_json(model: CorrectedModel) -> dict[str, Any]:
         "simulated": model.simulated,
         "delay_s": model.delay_s,
         "curve": curve,
-        **_fitted(m),
+        **_fitted(m, model.zero),
         "noise": asdict(model.noise),
         "covariance": model.covariance.tolist(),
-        "rivals": [{"probability": r.probability, **_fitted(r.mechanism)} for r in model.rivals],
+        "rivals": [
+            {"probability": r.probability, **_fitted(r.mechanism, r.zero)} for r in model.rivals
+        ],
     }
 
 
-def _fitted(m: Mechanism) -> dict[str, Any]:
-    """All of a mechanism but its curve, as plain JSON."""
+def _fitted(m: Mechanism, zero: WalkedZero | None) -> dict[str, Any]:
+    """All of a mechanism but its curve, and where its zero ended, as plain JSON."""
     return {
+        "zero": None if zero is None else asdict(zero),
         "gain": m.gain,
         "offset": m.offset,
         "error": None if m.error is None else asdict(m.error),
@@ -170,14 +189,14 @@ def from_json(entry: Mapping[str, Any], others: list[str]) -> CorrectedModel:
         mechanism = _refitted(entry, curve, others)
         rivals = tuple(
             Hypothesis(tuple(t["name"] for t in r["terms"]), r["probability"],
-                       _refitted(r, curve, others))
+                       _refitted(r, curve, others), _zero(r))
             for r in entry.get("rivals", [])
         )  # fmt: skip
         return CorrectedModel(
             entry["measurement"], entry["unit"], entry["drive"], entry["static"], entry["radian"],
             mechanism, NoiseModel(**entry["noise"]), np.array(entry["covariance"], dtype=float),
             entry.get("force", False), entry.get("simulated", True), entry.get("delay_s", 0.0),
-            rivals,
+            rivals, _zero(entry),
         )  # fmt: skip
     except (KeyError, TypeError, ValueError) as problem:
         raise ModelError(
@@ -200,3 +219,8 @@ def _refitted(entry: Mapping[str, Any], curve: Curve, others: list[str]) -> Mech
         for t in entry["terms"]
     )
     return Mechanism(curve, pieces, entry["gain"], entry["offset"], error)
+
+
+def _zero(entry: Mapping[str, Any]) -> WalkedZero | None:
+    zero = entry.get("zero")
+    return None if zero is None else WalkedZero(**zero)
