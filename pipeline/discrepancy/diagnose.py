@@ -13,11 +13,11 @@ from pipeline.discrepancy.force_delay import delay_of, late
 from pipeline.discrepancy.force_noise import noise_of_samples
 from pipeline.discrepancy.force_problem import averaged
 from pipeline.discrepancy.foretold import foretold_part
-from pipeline.discrepancy.inputs import input_shares, said_shares
 from pipeline.discrepancy.intervals import covariance_of, estimates, stated, wide_covariance
 from pipeline.discrepancy.mistaken import mistaken_frames
 from pipeline.discrepancy.model import CorrectedModel, Hypothesis
 from pipeline.discrepancy.noise import NoiseModel
+from pipeline.discrepancy.notes import accuracy_note, notes, smooth_error
 from pipeline.discrepancy.outliers import isolated
 from pipeline.discrepancy.problem import Problem, thinned
 from pipeline.discrepancy.proof import disproved, root_mean
@@ -31,18 +31,15 @@ from pipeline.discrepancy.result import (
 )
 from pipeline.discrepancy.ties import Standing, by_names, standing, weights_of
 from pipeline.discrepancy.verdict import (
-    FAR,
     Structure,
     fewer,
     follows,
-    intolerable,
     structure_of,
     within_accuracy,
 )
 from pipeline.discrepancy.zero import zero_at_end
 from pipeline.physics.catalogue import term
 from pipeline.physics.coupling import Coupling
-from pipeline.physics.differentiation import Derivatives
 from pipeline.physics.mechanism import Mechanism
 from pipeline.recording import Recording
 
@@ -62,24 +59,7 @@ def diagnose_measurement(
         if delay.value != 0.0:
             problem = late(problem, delay)
             explanation = explain(reduced(problem)[0])
-    best = explanation.choices[0]
-    structure = structure_of(explanation, best)
-    base = next(c for c in explanation.choices if not c.fit.pieces)
-    accurate, absurd = within_accuracy(explanation, base), absurd_calibration(best.fit)
-    if accurate:
-        best = calibrated_alone(explanation, base)
-        structure = Structure(False, None, structure.share, structure.p_value)
-    elif not follows(explanation, best):
-        structure, best = replace(structure, found=True, where="everywhere"), base
-    elif absurd is not None:
-        structure = replace(structure, found=True, where=absurd)
-    elif not structure.found:
-        said = mechanism_of(problem, best).respond(problem.motion)[0]
-        structure = disproved(problem, explanation, best, problem.measured - said, structure)
-    if explanation.prior.repeats == 0 and problem.derivatives is None:
-        best = foretold_part(explanation.choices, best, structure.found)
-    elif structure.found:
-        best = fewer(explanation, best)
+    best, structure, accurate = decided(problem, explanation)
     family = explanation.search.family
     covariance = (
         covariance_of(best.fit) if accurate else wide_covariance(best.fit, best.place, family)
@@ -114,6 +94,29 @@ def diagnose_measurement(
     return diagnosis, evidence, model
 
 
+def decided(problem: Problem, explanation: Explanation) -> tuple[Choice, Structure, bool]:
+    """What stays of the best choice, the structured rest, and whether the accuracy decided."""
+    best = explanation.choices[0]
+    structure = structure_of(explanation, best)
+    base = next(c for c in explanation.choices if not c.fit.pieces)
+    accurate, absurd = within_accuracy(explanation, base), absurd_calibration(best.fit)
+    if accurate:
+        best = calibrated_alone(explanation, base)
+        structure = Structure(False, None, structure.share, structure.p_value)
+    elif not follows(explanation, best):
+        structure, best = replace(structure, found=True, where="everywhere"), base
+    elif absurd is not None:
+        structure = replace(structure, found=True, where=absurd)
+    elif not structure.found:
+        said = mechanism_of(problem, best).respond(problem.motion)[0]
+        structure = disproved(problem, explanation, best, problem.measured - said, structure)
+    if explanation.prior.repeats == 0 and problem.derivatives is None:
+        best = foretold_part(explanation.choices, best, structure.found)
+    elif structure.found:
+        best = fewer(explanation, best)
+    return best, structure, accurate
+
+
 def calibration_of(problem: Problem, choice: Choice) -> Calibration:
     """Gain and offset of a choice, and the delay of a force."""
     gain, offset = (float(value) for value in choice.fit.nuisance[:2])
@@ -123,15 +126,6 @@ def calibration_of(problem: Problem, choice: Choice) -> Calibration:
         delay_s=None if problem.derivatives is None else problem.delay.value,
         smooth_error=smooth_error(choice),
     )
-
-
-def smooth_error(choice: Choice) -> float | None:
-    """Root mean square over the rows fitted of the smooth error; None where none is allowed."""
-    fit = choice.fit
-    if len(fit.nuisance) < 3:
-        return None
-    own = fit.ground.calibrating(fit.trace)[:, 2:] @ fit.nuisance[2:]
-    return root_mean(own[fit.ground.used] ** 2)
 
 
 def reduced(problem: Problem) -> tuple[Problem, int]:
@@ -306,93 +300,3 @@ def _standing_of(name: str, explanation: Explanation, best: Choice) -> Standing:
     if name == "marker_outliers":
         return Standing(1.0, (), False)
     return standing(name, best, explanation.choices, explanation.problem)
-
-
-def notes(
-    problem: Problem, explanation: Explanation, best: Choice, evidence: Evidence, every: int
-) -> tuple[str, ...]:
-    """What was left out or assumed, with its count."""
-    out = []
-    if intolerable(best):
-        gain, offset = best.fit.nuisance[:2]
-        out.append(
-            f"The calibration (gain {gain:.3g}, offset {offset:.3g} {problem.around.angle_unit}) "
-            f"is more than {FAR:.0f} tolerances off: check it, or declare `diagnosis.tolerance`."
-        )
-    missing = int((~np.isfinite(problem.measured)).sum())
-    if missing:
-        out.append(f"{missing} of {len(problem.measured)} samples were not measured.")
-    outliers = int((np.isfinite(problem.measured) & ~evidence.used).sum())
-    if outliers:
-        out.append(f"{outliers} samples stand off from their neighbours and were not counted.")
-    if problem.derivatives is not None:
-        out += force_notes(problem, problem.derivatives, every)
-    elif every > 1:
-        out.append(f"Terms were fitted on every {every}th sample and all reversals.")
-    if not problem.static:
-        out.append(
-            "The simulation is no static curve of one command: terms act on its trace. What acts "
-            "on the drive before it (play, ripple, slips in the transmission) could not be put in "
-            "front of it, and is fitted as if it came after."
-        )
-    out += driven_note(problem, evidence)
-    if explanation.prior.repeats == 0:
-        out.append("No cycle repeats another: the noise was learnt from what is rough alone.")
-    return tuple(out)
-
-
-def force_notes(problem: Problem, found: Derivatives, every: int) -> list[str]:
-    """How velocity and acceleration were found, and what a fitted row is."""
-    out = ["Velocity and acceleration are central differences of the position."]
-    if np.isfinite(found.cutoff_hz):
-        out[0] = (
-            "Velocity and acceleration are central differences of the position after a low-pass "
-            f"without delay at {found.cutoff_hz:.3g} Hz (sampled at {found.rate_hz:.4g} Hz)."
-        )
-    if found.resampled:
-        out.append(f"Samples stand unevenly: an even grid of {found.rate_hz:.4g} Hz stood between.")
-    delay = problem.delay
-    if delay.value != 0.0:
-        low, high = sorted(abs(1e3 * end) for end in (delay.low, delay.high))
-        out.append(
-            f"The force was recorded {abs(1e3 * delay.value):.3g} ms ({low:.3g} to {high:.3g}) "
-            f"{'after' if delay.value > 0.0 else 'before'} the motion that it belongs to: the "
-            "motion was moved there."
-        )
-    ends = int(np.sum(np.isfinite(problem.measured) & ~found.known))
-    out.append(f"{ends} samples at both ends, where the derivatives see one side, do not count.")
-    if every > 1:
-        out.append(f"Terms were fitted on means over {every} samples of force and terms alike.")
-    if not problem.around.simulated:
-        out.append("Nothing simulates the force: all of it counts as left out.")
-    return out
-
-
-def accuracy_note(problem: Problem, best: Choice, accurate: bool) -> list[str]:
-    """That the declared accuracy decided, in words; nothing where it did not."""
-    if not accurate:
-        return []
-    unit, size = problem.around.angle_unit, smooth_error(best)
-    out = [
-        f"Once gain, offset and curve are right, less is left than the accuracy of the measurement "
-        f"that was declared ({problem.tolerance.accuracy:g} {unit}): no name was looked for in it."
-    ]
-    if size is not None:
-        out.append(
-            f"A smooth error over every command ({size:.3g} {unit} RMS) is taken for the "
-            "measurement's own and corrected with gain and offset: it foretells later samples."
-        )
-    return out
-
-
-def driven_note(problem: Problem, evidence: Evidence) -> list[str]:
-    """Which commands drive the measurement, as corrected and as the simulation came, in words."""
-    recording = evidence.recording
-    commands = {c.name: recording.values(c.name) for c in recording.with_role("command")}
-    known = np.isfinite(problem.measured) & np.isfinite(problem.simulated)
-    own = input_shares(evidence.after, commands, known)
-    if len(own) < 2:
-        return []
-    came = input_shares(problem.simulated, commands, known)
-    before = f"; the simulation as it came: {said_shares(came)}" if came else ""
-    return [f"{evidence.measurement} is driven {said_shares(own)}{before}."]

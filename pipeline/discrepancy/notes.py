@@ -1,0 +1,111 @@
+"""What a diagnosis notes beside its names: what was left out, moved or assumed, with its count."""
+
+import numpy as np
+
+from pipeline.discrepancy.choose import Choice
+from pipeline.discrepancy.explain import Explanation
+from pipeline.discrepancy.inputs import input_shares, said_shares
+from pipeline.discrepancy.problem import Problem
+from pipeline.discrepancy.proof import root_mean
+from pipeline.discrepancy.result import Evidence
+from pipeline.discrepancy.verdict import FAR, intolerable
+from pipeline.physics.differentiation import Derivatives
+
+
+def notes(
+    problem: Problem, explanation: Explanation, best: Choice, evidence: Evidence, every: int
+) -> tuple[str, ...]:
+    """What was left out or assumed, with its count."""
+    out = []
+    if intolerable(best):
+        gain, offset = best.fit.nuisance[:2]
+        out.append(
+            f"The calibration (gain {gain:.3g}, offset {offset:.3g} {problem.around.angle_unit}) "
+            f"is more than {FAR:.0f} tolerances off: check it, or declare `diagnosis.tolerance`."
+        )
+    missing = int((~np.isfinite(problem.measured)).sum())
+    if missing:
+        out.append(f"{missing} of {len(problem.measured)} samples were not measured.")
+    outliers = int((np.isfinite(problem.measured) & ~evidence.used).sum())
+    if outliers:
+        out.append(f"{outliers} samples stand off from their neighbours and were not counted.")
+    if problem.derivatives is not None:
+        out += force_notes(problem, problem.derivatives, every)
+    elif every > 1:
+        out.append(f"Terms were fitted on every {every}th sample and all reversals.")
+    if not problem.static:
+        out.append(
+            "The simulation is no static curve of one command: terms act on its trace. What acts "
+            "on the drive before it (play, ripple, slips in the transmission) could not be put in "
+            "front of it, and is fitted as if it came after."
+        )
+    out += driven_note(problem, evidence)
+    if explanation.prior.repeats == 0:
+        out.append("No cycle repeats another: the noise was learnt from what is rough alone.")
+    return tuple(out)
+
+
+def force_notes(problem: Problem, found: Derivatives, every: int) -> list[str]:
+    """How velocity and acceleration were found, and what a fitted row is."""
+    out = ["Velocity and acceleration are central differences of the position."]
+    if np.isfinite(found.cutoff_hz):
+        out[0] = (
+            "Velocity and acceleration are central differences of the position after a low-pass "
+            f"without delay at {found.cutoff_hz:.3g} Hz (sampled at {found.rate_hz:.4g} Hz)."
+        )
+    if found.resampled:
+        out.append(f"Samples stand unevenly: an even grid of {found.rate_hz:.4g} Hz stood between.")
+    delay = problem.delay
+    if delay.value != 0.0:
+        low, high = sorted(abs(1e3 * end) for end in (delay.low, delay.high))
+        out.append(
+            f"The force was recorded {abs(1e3 * delay.value):.3g} ms ({low:.3g} to {high:.3g}) "
+            f"{'after' if delay.value > 0.0 else 'before'} the motion that it belongs to: the "
+            "motion was moved there."
+        )
+    ends = int(np.sum(np.isfinite(problem.measured) & ~found.known))
+    out.append(f"{ends} samples at both ends, where the derivatives see one side, do not count.")
+    if every > 1:
+        out.append(f"Terms were fitted on means over {every} samples of force and terms alike.")
+    if not problem.around.simulated:
+        out.append("Nothing simulates the force: all of it counts as left out.")
+    return out
+
+
+def accuracy_note(problem: Problem, best: Choice, accurate: bool) -> list[str]:
+    """That the declared accuracy decided, in words; nothing where it did not."""
+    if not accurate:
+        return []
+    unit, size = problem.around.angle_unit, smooth_error(best)
+    out = [
+        f"Once gain, offset and curve are right, less is left than the accuracy of the measurement "
+        f"that was declared ({problem.tolerance.accuracy:g} {unit}): no name was looked for in it."
+    ]
+    if size is not None:
+        out.append(
+            f"A smooth error over every command ({size:.3g} {unit} RMS) is taken for the "
+            "measurement's own and corrected with gain and offset: it foretells later samples."
+        )
+    return out
+
+
+def driven_note(problem: Problem, evidence: Evidence) -> list[str]:
+    """Which commands drive the measurement, as corrected and as the simulation came, in words."""
+    recording = evidence.recording
+    commands = {c.name: recording.values(c.name) for c in recording.with_role("command")}
+    known = np.isfinite(problem.measured) & np.isfinite(problem.simulated)
+    own = input_shares(evidence.after, commands, known)
+    if len(own) < 2:
+        return []
+    came = input_shares(problem.simulated, commands, known)
+    before = f"; the simulation as it came: {said_shares(came)}" if came else ""
+    return [f"{evidence.measurement} is driven {said_shares(own)}{before}."]
+
+
+def smooth_error(choice: Choice) -> float | None:
+    """Root mean square over the rows fitted of the smooth error; None where none is allowed."""
+    fit = choice.fit
+    if len(fit.nuisance) < 3:
+        return None
+    own = fit.ground.calibrating(fit.trace)[:, 2:] @ fit.nuisance[2:]
+    return root_mean(own[fit.ground.used] ** 2)
