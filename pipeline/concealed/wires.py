@@ -172,7 +172,10 @@ def joint_path(shaft: np.ndarray, outer: np.ndarray, interval_s: np.ndarray, mov
             drum = min(max(drum, theta - half), theta + half)
             push = outer_before + share * (outer[i] - outer_before)
             branch = dashpot_k * np.exp(-dt / dashpot_s)
-            drag = 2.0 * c[NOMINAL_WIRE] / c[GAIN] * lag_weight(dt, viscosity_s)
+            drag = 0.0
+            if viscosity_s > 0.0:
+                spring = sprung(uptake, drum, joint, push, c, held, reach, stiffness, branch.sum())
+                drag = held_back(dt, viscosity_s * 2.0 * c[NOMINAL_WIRE] / c[GAIN], spring)
             uptake = balanced(
                 uptake, drum, joint, push, c, held, reach, stiffness,
                 (branch * dashpot).sum() + drag * joint, branch.sum() + drag,
@@ -187,12 +190,22 @@ def joint_path(shaft: np.ndarray, outer: np.ndarray, interval_s: np.ndarray, mov
 
 
 @njit(cache=True)
-def lag_weight(dt: float, lag_s: float) -> float:
-    """Stiffness with which drag holds a joint where it was, over that of its springs.
+def held_back(dt: float, viscosity: float, spring: float) -> float:
+    """Stiffness with which drag holds a joint where it was, beside springs of stiffness `spring`.
 
-    Exact for a joint on linear springs: it covers 1 - exp(-dt / lag_s) of its way.
+    viscosity: torque over speed. Exact on linear springs: the joint covers
+    1 - exp(-dt spring / viscosity) of its way.
     """
-    return 1.0 / np.expm1(dt / lag_s) if lag_s > 0.0 else 0.0
+    return spring / np.expm1(dt * spring / viscosity)
+
+
+@njit(cache=True)
+def sprung(uptake: float, drum: float, last: float, outer: float, c: np.ndarray,
+           held: np.ndarray, reach: np.ndarray, stiffness: np.ndarray,
+           branch_slope: float) -> float:  # fmt: skip
+    """Stiffness of all that holds the joint but drag, where it stands; at least a millionth."""
+    slope = balance(uptake, drum, last, outer, c, held, reach, stiffness, 0.0, branch_slope)[1]
+    return max(-slope / (c[GAIN] + 3.0 * c[CUBIC] * uptake**2), 1e-6)
 
 
 @njit(cache=True)

@@ -130,6 +130,15 @@ def test_a_viscous_body_follows_with_its_time_constant():
     assert angle[-1] == pytest.approx(14.0, abs=0.01)
 
 
+def test_softer_wires_draw_a_viscous_body_more_slowly():
+    pitch = np.concatenate([[0.0], np.full(20, 20.0)])
+    plant = replace(IDEAL, nominal=Nominal(0.7), viscosity_s=3.0, wire_softness=2.5)
+    angle = respond(plant, motion_of(pitch, interval_s=10.0))
+    springs = 1 / 2.5 + (1 - 1 / 2.5) / SPRINGS  # of the joint, over those of the ideal plant
+    left = np.exp(-10.0 * springs / 3.0)
+    assert (angle[3] - angle[2]) / (angle[2] - angle[1]) == pytest.approx(left, rel=0.02)
+
+
 def test_wear_widens_the_loop_from_cycle_to_cycle(plain):
     plant = replace(IDEAL, clearance_deg=1.0, wear_per_deg=0.001)
     late = change(plant, plain)
