@@ -30,8 +30,8 @@ LOOPS = {
     "friction, creep, lag": {
         "friction": [5.0, 4.0, 0.7], "creep": [0.2, 9.0], "response_lag": [2.0],
     },
-    "stop": {"end_stop": [30.0, 0.3]},
-    "friction, stop": {"friction": [5.0, 4.0, 0.7], "end_stop": [30.0, 0.3]},
+    "stop": {"end_stop": [30.0, 0.3, 0.02]},
+    "friction, stop": {"friction": [5.0, 4.0, 0.7], "end_stop": [30.0, 0.3, 0.02]},
     "gravity": {"gravity": [4.0, 0.4]},
     "slack": {"slack": [8.0, 0.0, 0.2, 0.05]},
     "slack, creep": {"slack": [8.0, 0.0, 0.2, 0.05], "creep": [0.2, 9.0]},

@@ -6,13 +6,15 @@ from pipeline.physics.balance import Load
 from pipeline.physics.motion import Motion
 from pipeline.physics.term import Parameter, Surroundings, Term
 
-HARD = 60.0
+HARDEST, USUAL, SOFTEST = 0.01, 0.02, 0.08
 
 
 class EndStop(Term):
-    """As a contact, but nearly rigid: the wire gives way instead, over `softness` round it.
+    """As a contact, but much stiffer than the wire, which gives way instead.
 
-    Forms "upper" and "lower" are its sides. Source: unilateral constraint, penalty form.
+    The stop itself gives by `give` of what the wire does: its stiffness is 1 / give of the wire's.
+    It is met over `softness` round its angle. Forms "upper" and "lower" are its sides. Source:
+    unilateral constraint, penalty form.
     """
 
     name = "end_stop"
@@ -33,11 +35,13 @@ class EndStop(Term):
         ends = sorted((middle, middle + 0.6 * self.side * span))
         return (
             Parameter("angle", unit, ends[0], ends[1], middle + 0.4 * self.side * span, 0.0),
-            Parameter("softness", unit, 1e-3 * span, 0.03 * span, 0.003 * span, 0.005 * span),
+            Parameter("softness", unit, 1e-4 * span, 0.03 * span, 0.003 * span, 0.005 * span),
+            Parameter("give", "", HARDEST, SOFTEST, USUAL, 0.1 * USUAL, weak=True),
         )
 
     def load(self, values: np.ndarray, motion: Motion, state: np.ndarray | None) -> Load:
-        return Load(contact=np.array([[self.side, values[0], HARD, values[1]]]))
+        angle, softness, give = values
+        return Load(contact=np.array([[self.side, angle, 1.0 / give, softness]]))
 
     def void(self, values: np.ndarray) -> bool:
         return False
@@ -48,4 +52,4 @@ class EndStop(Term):
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
         middle, span = around.angle_low + 0.5 * around.angle_span, around.angle_span
         shares = (0.15, 0.25, 0.32, 0.38, 0.42, 0.45, 0.47, 0.485)
-        return np.array([[middle + self.side * s * span, 0.003 * span] for s in shares])
+        return np.array([[middle + self.side * s * span, 0.003 * span, USUAL] for s in shares])
