@@ -10,7 +10,7 @@ from pipeline.discrepancy.problem import Problem
 from pipeline.physics.mechanism import Piece
 from pipeline.physics.term import Term
 
-SCALES = (0.1, 8.0)
+SCALES = (0.01, 8.0)
 PROMISING = 4
 LATE = ("frame_lag", "response_lag", "backlash", "tension_loss", "friction", "creep")
 PHASED = ("transmission_ripple",)

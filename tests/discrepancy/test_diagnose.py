@@ -98,6 +98,12 @@ def test_a_coupling_needs_the_other_axis_to_move():
     assert still.diagnoses[0].verdict == "no_mismatch"
 
 
+def test_a_small_coupling_is_not_passed_over():
+    small = diagnosed(recorded({"coupling": {"gain": 0.005}}, two_axes=True, seed=19))
+    assert names(small) == {"coupling"}
+    assert value_of(small, "coupling", "gain").value == pytest.approx(0.005, abs=0.002)
+
+
 def test_mistaken_frames_are_named_and_do_not_spoil_the_fit():
     recording = recorded({"backlash": {"width": 4.0}}, seed=7)
     angle = recording.values(ANGLE).copy()
