@@ -99,6 +99,7 @@ def estimates(fit: Fit, covariance: np.ndarray) -> list[tuple[Piece, tuple[Estim
                 variance += 2.0 * gain * value * covariance[0, k]
             if p.stepwise:
                 low, high = moment_interval(fit, i, j)
+                low, high = min(low, float(value)), max(high, float(value))
             else:
                 reach = DEVIATIONS * np.sqrt(max(variance, 0.0))
                 low, high = sorted((scale * p.low, scale * p.high))
