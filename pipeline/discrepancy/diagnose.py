@@ -107,11 +107,13 @@ def decided(problem: Problem, explanation: Explanation) -> tuple[Choice, Structu
         structure, best = replace(structure, found=True, where="everywhere"), base
     elif absurd is not None:
         structure = replace(structure, found=True, where=absurd)
-    elif not structure.found:
+    unrepeated = explanation.prior.repeats == 0 and problem.derivatives is None
+    if not (accurate or structure.found):
+        best = foretold_part(explanation.choices, best, structured=False) if unrepeated else best
         said = mechanism_of(problem, best).respond(problem.motion)[0]
         structure = disproved(problem, explanation, best, problem.measured - said, structure)
-    if explanation.prior.repeats == 0 and problem.derivatives is None:
-        best = foretold_part(explanation.choices, best, structure.found)
+    if structure.found and unrepeated:
+        best = foretold_part(explanation.choices, best, structured=True)
     elif structure.found:
         best = fewer(explanation, best)
     return best, structure, accurate
