@@ -15,7 +15,8 @@ from omegaconf import DictConfig, OmegaConf
 from omegaconf.errors import OmegaConfBaseException
 
 from pipeline import quick_compose
-from pipeline.config import CONF, Config, check_config, register_schemas
+from pipeline.config import CONF, Config, register_schemas
+from pipeline.config_check import check_config
 from pipeline.config_errors import explain
 from pipeline.errors import LoopgapError, UsageError, refusal
 from pipeline.job import Job, run_job

@@ -1,14 +1,12 @@
 """The schemas of all configuration; `conf/` holds the choices."""
 
 from dataclasses import dataclass, field
-from operator import attrgetter
 from pathlib import Path
 
 from hydra.core.config_store import ConfigStore
 from omegaconf import MISSING, OmegaConf
 
 from pipeline.config_importing import ImportingConfig
-from pipeline.errors import UsageError, refusal
 
 PACKAGE = Path(__file__).resolve().parent
 CONF = PACKAGE / "conf" if (PACKAGE / "conf").is_dir() else PACKAGE.parent / "conf"
@@ -373,16 +371,6 @@ STEP_RULES: dict[str, type[StepRuleConfig]] = {
     "newton": NewtonConfig,
 }
 
-CHOICES: dict[str, tuple[str, ...]] = {
-    "acquisition.clock": ("simulated", "real"),
-    "robot.kind": ("emulated", "epos2"),
-    "camera.kind": ("twin", "v4l2", "folder"),
-    "split.kind": ("paper", "leave_three_out", "k_fold", "explicit"),
-    "selection.criterion": ("bic", "aic", "heldout"),
-    "simulation.kind": ("recorded", "identity", "affine", "trace", "mechanism", "python"),
-    "diagnosis.heldout.kind": ("every_third", "last_third", "after_s"),
-}
-
 
 def register_schemas(store: ConfigStore) -> None:
     """Make the schemas known to Hydra, under the names that `conf/` refers to."""
@@ -391,25 +379,3 @@ def register_schemas(store: ConfigStore) -> None:
     store.store(name="schema", node=schema)
     for name, rule in STEP_RULES.items():
         store.store(group="compensation/step_rule", name=f"schema_{name}", node=rule)
-
-
-def check_config(config: Config) -> None:
-    """Refuse what the types can't: names that are none of the choices; UsageError lists them."""
-    for stage in config.stages:
-        if stage not in (*STAGES, *EXTRA_STAGES):
-            _refuse("stages", (*STAGES, *EXTRA_STAGES), stage)
-    for key, choices in CHOICES.items():
-        found = attrgetter(key)(config)
-        if found not in choices:
-            _refuse(key, choices, found)
-    heldout = config.diagnosis.heldout
-    if heldout.kind == "after_s" and (heldout.after_s is None or heldout.after_s <= 0.0):
-        raise UsageError(
-            refusal("configuration, diagnosis.heldout.after_s", "seconds after the first row",
-                    repr(heldout.after_s), "Say how long a fit may look: after_s=30.")
-        )  # fmt: skip
-
-
-def _refuse(key: str, choices: tuple[str, ...], found: str) -> None:
-    expected = "one of " + ", ".join(choices)
-    raise UsageError(refusal(f"configuration, {key}", expected, repr(found), "Choose one."))

@@ -157,6 +157,7 @@ def test_a_failed_job_does_not_stop_the_others(small_run, tmp_path, monkeypatch,
         ("robot=kuka", "emulated"),
         ("stages=[aquisition]", "one of acquisition, vision"),
         ("selection.criterion=cv", "one of bic, aic, heldout"),
+        ("diagnosis.tolerance.gain=-0.1", "a number of at least 0"),
         ("selection.k=4=5", "selection.k"),
     ],
 )
