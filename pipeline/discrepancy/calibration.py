@@ -10,6 +10,7 @@ from pipeline.physics.kinematics import Beside, SmoothError, smooth_columns
 from pipeline.physics.mechanism import Trace
 
 SHAPES = 3
+FAR_OFF = 5.0  # tolerances beyond which a calibration refutes what was declared
 
 
 @dataclass(frozen=True)

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from pipeline.discrepancy.calibration import FAR_OFF
 from pipeline.discrepancy.fit import (
     Fit,
     Ground,
@@ -35,7 +36,7 @@ WORTH = 150.0
 EARLIER = 6
 LAGGARD, CLEAR = 0.3, 60.0
 
-ABSURD, OFF_SCALE = 2.0, 5.0
+ABSURD = 2.0
 
 SIDED = ("contact", "end_stop")
 
@@ -120,7 +121,7 @@ def absurd_calibration(fit: Fit) -> str | None:
     gain, offset = fit.nuisance[:2]
     if not 1.0 / ABSURD < gain < ABSURD:
         return f"the gain, which is {gain:.3g}"
-    if abs(offset) > max(around.angle_span, OFF_SCALE * fit.ground.problem.tolerance.offset):
+    if abs(offset) > max(around.angle_span, FAR_OFF * fit.ground.problem.tolerance.offset):
         return f"the offset, which is {offset:.3g} {around.angle_unit}"
     return None
 

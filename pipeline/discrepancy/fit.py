@@ -6,7 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
-from pipeline.discrepancy.calibration import Nuisances, nuisances_of
+from pipeline.discrepancy.calibration import FAR_OFF, Nuisances, nuisances_of
 from pipeline.discrepancy.noise import NoiseModel, whitened
 from pipeline.discrepancy.problem import Problem
 from pipeline.physics.mechanism import Mechanism, Piece, Trace
@@ -17,7 +17,6 @@ DAMPINGS = 6
 TOLERANCE = 0.02
 PRIOR_WIDTH = 10.0
 SHARE_OF_VALUE = 0.02
-FAR = 5.0
 
 
 @dataclass(frozen=True)
@@ -94,12 +93,12 @@ class Ground:
 def ground_of(problem: Problem, noise: NoiseModel, used: np.ndarray) -> Ground:
     """The ground of a problem's fits.
 
-    Where the simulation's zero is off by more than FAR of what was declared, the declaration is
+    Where the simulation's zero is off by more than FAR_OFF of what was declared, the declaration is
     refuted, and no term shall bend anything to spare the offset: it may be as large as it is.
     """
     around, tolerance = problem.around, problem.tolerance
     off = abs(float(np.median((problem.measured - problem.simulated)[used])))
-    if off > FAR * tolerance.offset:
+    if off > FAR_OFF * tolerance.offset:
         tolerance = replace(tolerance, offset=off)
     return Ground(
         problem, noise, used, nuisances_of(tolerance, around.angle_low, around.angle_span)

@@ -2,13 +2,14 @@
 
 import numpy as np
 
+from pipeline.discrepancy.calibration import FAR_OFF
 from pipeline.discrepancy.choose import Choice
 from pipeline.discrepancy.explain import Explanation
 from pipeline.discrepancy.inputs import input_shares, said_shares
 from pipeline.discrepancy.problem import Problem
 from pipeline.discrepancy.proof import root_mean
 from pipeline.discrepancy.result import Evidence
-from pipeline.discrepancy.verdict import FAR, intolerable
+from pipeline.discrepancy.verdict import intolerable
 from pipeline.physics.differentiation import Derivatives
 
 
@@ -21,7 +22,8 @@ def notes(
         gain, offset = best.fit.nuisance[:2]
         out.append(
             f"The calibration (gain {gain:.3g}, offset {offset:.3g} {problem.around.angle_unit}) "
-            f"is more than {FAR:.0f} tolerances off: check it, or declare `diagnosis.tolerance`."
+            f"is more than {FAR_OFF:.0f} tolerances off: check it, or declare "
+            "`diagnosis.tolerance`."
         )
     missing = int((~np.isfinite(problem.measured)).sum())
     if missing:

@@ -4,6 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from pipeline.discrepancy.calibration import FAR_OFF
 from pipeline.discrepancy.choose import Choice
 from pipeline.discrepancy.explain import Explanation
 from pipeline.discrepancy.fit import evaluate, improve
@@ -15,7 +16,6 @@ CHANCE = 1e-5
 SMALLEST_SIZE = 0.2
 SLOW = 0.87
 ENOUGH = 0.7
-FAR = 5.0
 UNFOLLOWED = 0.7
 FORM_ERROR = 0.05
 
@@ -35,10 +35,10 @@ class Structure:
 
 
 def intolerable(choice: Choice) -> bool:
-    """Whether gain or offset is off by more than FAR of its declared tolerances."""
+    """Whether gain or offset is off by more than FAR_OFF of its declared tolerances."""
     tolerance = choice.fit.ground.problem.tolerance
     gain, offset = np.abs(choice.fit.nuisance[:2] - [1.0, 0.0])
-    return bool(gain > FAR * tolerance.gain or offset > FAR * tolerance.offset)
+    return bool(gain > FAR_OFF * tolerance.gain or offset > FAR_OFF * tolerance.offset)
 
 
 def within_accuracy(explanation: Explanation, base: Choice) -> bool:
