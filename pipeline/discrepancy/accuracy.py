@@ -6,14 +6,21 @@ import numpy as np
 
 from pipeline.discrepancy.calibration import with_smooth_error
 from pipeline.discrepancy.choose import Choice
-from pipeline.discrepancy.explain import Explanation
 from pipeline.discrepancy.fit import Ground, evaluate
 from pipeline.discrepancy.force_noise import LEAST_SPELL, spell_of
 from pipeline.discrepancy.foretold import error_ahead
 from pipeline.discrepancy.noise import NoiseModel
 
 
-def calibrated_alone(explanation: Explanation, base: Choice) -> Choice:
+def within_accuracy(base: Choice, used: np.ndarray) -> bool:
+    """Whether calibration alone leaves no more on used rows (n,) than the accuracy declared."""
+    problem = base.fit.ground.problem
+    left = (problem.measured - base.fit.predicted)[used]
+    accuracy = problem.tolerance.accuracy
+    return bool(accuracy > 0.0 and np.mean(left**2) <= accuracy**2)
+
+
+def calibrated_alone(base: Choice, used: np.ndarray) -> Choice:
     """The choice without terms, calibrated where all that is left is the measurement's own error.
 
     That error is declared by its size, so rows weigh alike: under noise that walks, the offset
@@ -24,7 +31,7 @@ def calibrated_alone(explanation: Explanation, base: Choice) -> Choice:
     ground = base.fit.ground
     accuracy, others = ground.problem.tolerance.accuracy, ground.problem.motion.others
     smooth = replace(ground, nuisances=with_smooth_error(ground.nuisances, others, accuracy))
-    rows = np.flatnonzero(explanation.used)
+    rows = np.flatnonzero(used)
     choices = [replace(base, fit=evaluate(plainly(g, rows), ())) for g in (ground, smooth)]
     return min(choices, key=lambda choice: error_ahead(choice, rows))
 

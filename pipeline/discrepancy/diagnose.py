@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from pipeline.discrepancy.accuracy import calibrated_alone
+from pipeline.discrepancy.accuracy import calibrated_alone, within_accuracy
 from pipeline.discrepancy.choose import Choice, absurd_calibration
 from pipeline.discrepancy.explain import Explanation, explain, not_excited
 from pipeline.discrepancy.fit import evaluate, improve
@@ -35,7 +35,6 @@ from pipeline.discrepancy.verdict import (
     fewer,
     follows,
     structure_of,
-    within_accuracy,
 )
 from pipeline.discrepancy.zero import zero_at_end
 from pipeline.physics.catalogue import term
@@ -99,9 +98,9 @@ def decided(problem: Problem, explanation: Explanation) -> tuple[Choice, Structu
     best = explanation.choices[0]
     structure = structure_of(explanation, best)
     base = next(c for c in explanation.choices if not c.fit.pieces)
-    accurate, absurd = within_accuracy(explanation, base), absurd_calibration(best.fit)
+    accurate, absurd = within_accuracy(base, explanation.used), absurd_calibration(best.fit)
     if accurate:
-        best = calibrated_alone(explanation, base)
+        best = calibrated_alone(base, explanation.used)
         structure = Structure(False, None, structure.share, structure.p_value)
     elif not follows(explanation, best):
         structure, best = replace(structure, found=True, where="everywhere"), base

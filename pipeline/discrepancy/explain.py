@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from pipeline.discrepancy.accuracy import within_accuracy
 from pipeline.discrepancy.choose import (
     SLOW,
     Choice,
@@ -14,7 +15,7 @@ from pipeline.discrepancy.choose import (
     extended,
     polished,
 )
-from pipeline.discrepancy.fit import ITERATIONS, ground_of, improve
+from pipeline.discrepancy.fit import ITERATIONS, evaluate, ground_of, improve
 from pipeline.discrepancy.foretold import foretelling
 from pipeline.discrepancy.noise_family import noise_family
 from pipeline.discrepancy.noise_learning import NoisePrior, learn_noise
@@ -48,7 +49,8 @@ def explain(problem: Problem) -> Explanation:
     """The sets of terms that explain a problem's training rows.
 
     Outliers are judged on the residual of the best explanation, so that a sharp corner is none;
-    where that changes them, the choice is made anew.
+    where that changes them, the choice is made anew. Where calibration alone leaves no more than
+    the accuracy that was declared, no terms are looked for.
     """
     prior = learn_noise(problem)
     candidates = excited_terms(problem)
@@ -58,7 +60,12 @@ def explain(problem: Problem) -> Explanation:
     outliers = isolated(off, problem.train, prior.finest) & ~turning(problem)
     used = problem.train & settled & ~outliers
     search = Search(candidates, effects, noise_family(prior, problem.cycle, used))
-    choices = choose(search, ground_of(problem, prior.model, used))
+    ground = ground_of(problem, prior.model, used)
+    base = search.weighed(evaluate(ground, ()), (0, 0, 0))
+    if within_accuracy(base, used):
+        outliers = mistaken_rows(problem, base, prior.finest)
+        return Explanation(problem, prior, search, [base], outliers, used)
+    choices = choose(search, ground)
     found = mistaken_rows(problem, choices[0], prior.finest)
     if not np.array_equal(found, outliers):
         used = problem.train & settled & ~found

@@ -41,12 +41,6 @@ def intolerable(choice: Choice) -> bool:
     return bool(gain > FAR_OFF * tolerance.gain or offset > FAR_OFF * tolerance.offset)
 
 
-def within_accuracy(explanation: Explanation, base: Choice) -> bool:
-    """Whether calibration alone leaves no more than the accuracy that was declared."""
-    accuracy = explanation.problem.tolerance.accuracy
-    return bool(accuracy > 0.0 and mean_square(explanation, base) <= accuracy**2)
-
-
 def follows(explanation: Explanation, choice: Choice) -> bool:
     """Whether the explanation tells the measurement's variation better than its mean would."""
     measured = explanation.problem.measured[explanation.used]
