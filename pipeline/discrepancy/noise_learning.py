@@ -5,13 +5,14 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numba import njit
 from scipy.optimize import minimize
 
 from pipeline.discrepancy.force_noise import noise_of_force
 from pipeline.discrepancy.noise import NoiseModel, whitened
 from pipeline.discrepancy.problem import Problem
 
-SAME_COMMAND = 1e-3
+SAME_COMMAND, REACH, ENOUGH_IN_COMMON = 1e-3, 6, 0.8
 APART = 60
 FREE_LEVEL = 1e3
 FINEST = 1e-6
@@ -78,49 +79,71 @@ def learn_noise(problem: Problem) -> NoisePrior:
 def repeated_cycles(problem: Problem) -> list[np.ndarray]:
     """Groups of training cycles with the same commands, each as row numbers (repeats, steps).
 
-    The rows up to a cycle's first reversal are left out (-1) where the cycle before was another
-    motion or none: there the mechanism still remembers that.
+    Rows that a cycle lacks are -1, and so are the rows up to a cycle's first reversal where the
+    cycle before was another motion or none: there the mechanism still remembers that.
     """
-    cycle = problem.cycle
-    numbers = np.unique(cycle)
-    signals = np.column_stack([problem.motion.drive, *problem.motion.others.values()])
-    spans = np.maximum(np.ptp(signals, axis=0), 1e-12)
-    rows_of = {c: np.flatnonzero(cycle == c) for c in numbers}
-    dwell = np.diff(problem.motion.time_s, prepend=problem.motion.time_s[0])
-    groups: list[list[int]] = []
-    for c in numbers:
-        if not problem.train[rows_of[c]].any():
+    cycle, motion = problem.cycle, problem.motion
+    signals = np.column_stack([motion.drive, *motion.others.values()])
+    signals /= np.maximum(np.ptp(signals, axis=0), 1e-12)
+    dwell = np.diff(motion.time_s, prepend=motion.time_s[0])
+    rows_of = {int(c): np.flatnonzero(cycle == c) for c in np.unique(cycle)}
+    groups: list[tuple[np.ndarray, list[np.ndarray]]] = []
+    for c, rows in rows_of.items():
+        if not problem.train[rows].any():
             continue
-        for group in groups:
-            a, b = rows_of[group[0]], rows_of[c]
-            if (
-                len(a) == len(b)
-                and np.all(np.abs(signals[a] - signals[b]) < SAME_COMMAND * spans)
-                and np.median(np.abs(dwell[a] - dwell[b])) < 0.3 * max(np.median(dwell), 1e-9)
-            ):
-                group.append(int(c))
+        for first, group in groups:
+            same = repeating(signals, dwell, first, rows)
+            if same is not None:
+                group.append(_without_memory(same, first, rows_of.get(c - 1), signals, dwell))
                 break
         else:
-            groups.append([int(c)])
-    return [_without_memory(g, rows_of, signals) for g in groups if len(g) > 1]
+            before = rows_of.get(c - 1)
+            groups.append((rows, [_without_memory(rows, rows, before, signals, dwell)]))
+    return [np.array(group) for _, group in groups if len(group) > 1]
+
+
+def repeating(
+    signals: np.ndarray, dwell: np.ndarray, first: np.ndarray, rows: np.ndarray
+) -> np.ndarray | None:
+    """The row of a cycle (indices) for each row of the first one, -1 where it has none.
+
+    None where the two are not the same motion. signals: (n, k) commands over their ranges.
+    """
+    places = paired(signals[first], signals[rows])
+    found = places >= 0
+    if found.sum() < ENOUGH_IN_COMMON * max(len(first), len(rows)):
+        return None
+    out = np.where(found, rows[places], -1)
+    apart = np.abs(dwell[first] - dwell[out])[found]
+    return out if np.median(apart) < 0.3 * max(np.median(dwell), 1e-9) else None
+
+
+@njit(cache=True)
+def paired(first, second):  # type: ignore[no-untyped-def]
+    """For each row of the first signals the next row of the second that equals it, -1 if none is.
+
+    At most REACH rows of the second are passed over at a time.
+    """
+    out = np.full(first.shape[0], -1)
+    begin = 0
+    for i in range(first.shape[0]):
+        for k in range(begin, min(begin + REACH, second.shape[0])):
+            if np.max(np.abs(first[i] - second[k])) < SAME_COMMAND:
+                out[i], begin = k, k + 1
+                break
+    return out
 
 
 def _without_memory(
-    group: list[int], rows_of: dict[int, np.ndarray], signals: np.ndarray
-) -> np.ndarray:
-    out = np.array([rows_of[c] for c in group])
-    turn = int(np.argmax(np.abs(signals[out[0], 0] - signals[out[0][0], 0])))
-    turn = min(turn, out.shape[1] // 2)
-    for k, c in enumerate(group):
-        before = rows_of.get(c - 1)
-        same = (
-            before is not None
-            and len(before) == out.shape[1]
-            and np.allclose(signals[before], signals[out[k]], atol=SAME_COMMAND * np.ptp(signals))
-        )
-        if not same:
-            out[k, :turn] = -1
-    return out
+    rows: np.ndarray, first: np.ndarray, before: np.ndarray | None,
+    signals: np.ndarray, dwell: np.ndarray,
+) -> np.ndarray:  # fmt: skip
+    """A cycle's rows, without those up to its first reversal after another motion."""
+    if before is not None and repeating(signals, dwell, first, before) is not None:
+        return rows
+    drive = signals[first, 0]
+    turn = min(int(np.argmax(np.abs(drive - drive[0]))), len(first) // 2)
+    return np.where(np.arange(len(rows)) < turn, -1, rows)
 
 
 def contrasts(residual: np.ndarray, rows: np.ndarray) -> list[np.ndarray]:

@@ -9,7 +9,8 @@ from pipeline.discrepancy.noise import NoiseModel
 from pipeline.discrepancy.noise_family import WALKS, noise_family
 from pipeline.discrepancy.noise_learning import NoisePrior, fit_noise, learn_noise
 from pipeline.discrepancy.problem import pose_problem
-from tests.discrepancy.made import recorded
+from pipeline.recording import Recording
+from tests.discrepancy.made import NOISE, recorded
 
 
 def covariance(model: NoiseModel, cycle: np.ndarray) -> np.ndarray:
@@ -87,3 +88,14 @@ def test_a_walk_in_repeats_is_no_slow_correlation():
     walking = min(prior.strain(0.0, 0.0, w) for w in WALKS)
     assert walking < prior.strain(0.0, 0.0, 0.0) - 10.0
     assert walking < min(prior.strain(s, 0.95, 0.0) for s in (0.03, 0.1, 0.3)) + 3.0
+
+
+def test_cycles_that_lack_rows_still_repeat():
+    whole = recorded({"backlash": {"width": 4.0}}, seed=3)
+    left = np.random.default_rng(3).random(len(whole.samples)) > 0.05
+    lacking = Recording(whole.samples[left].reset_index(drop=True), whole.channels, "simulated")
+    for recording in (whole, lacking):
+        sim = recording.values("pitch_angle_sim_deg")
+        prior = learn_noise(pose_problem(DiagnosisConfig(), recording, "pitch_angle_deg", sim))
+        assert prior.repeats == 4
+        assert prior.model.deviation == pytest.approx(NOISE, rel=0.1)
