@@ -8,7 +8,7 @@ from pipeline.discrepancy.calibration import with_smooth_error
 from pipeline.discrepancy.choose import Choice
 from pipeline.discrepancy.fit import Ground, evaluate
 from pipeline.discrepancy.force_noise import LEAST_SPELL, spell_of
-from pipeline.discrepancy.foretold import error_ahead
+from pipeline.discrepancy.foretold import error_ahead, parts_of
 from pipeline.discrepancy.noise import NoiseModel
 
 
@@ -33,7 +33,8 @@ def calibrated_alone(base: Choice, used: np.ndarray) -> Choice:
     smooth = replace(ground, nuisances=with_smooth_error(ground.nuisances, others, accuracy))
     rows = np.flatnonzero(used)
     choices = [replace(base, fit=evaluate(plainly(g, rows), ())) for g in (ground, smooth)]
-    return min(choices, key=lambda choice: error_ahead(choice, rows))
+    parts = parts_of(ground)
+    return min(choices, key=lambda choice: error_ahead(choice, parts))
 
 
 def plainly(ground: Ground, rows: np.ndarray) -> Ground:

@@ -92,7 +92,18 @@ class Search:
         residual = np.where(ground.used, ground.problem.measured - fit.predicted, 0.0)
         cost = self.family.weigh(place, residual)[0]
         own = fit.cost - 2.0 * ground.log_scale - float(fit.innovations @ fit.innovations)
-        return Choice(fit, place, cost + own + complexity(fit))
+        score = cost + own + complexity(fit)
+        return Choice(fit, place, score + (VOID if self.hides_drift(fit, place) else 0.0))
+
+    def hides_drift(self, fit: Fit, place: Place) -> bool:
+        """Whether noise that walks takes what the catalogue calls a drift, where nothing repeats.
+
+        A zero that wanders by more than the noise is one.
+        """
+        if place[2] == 0 or self.family.prior.repeats > 0 or set(fit.names) & set(SLOW):
+            return False
+        residual = (fit.ground.problem.measured - fit.predicted)[fit.ground.used]
+        return bool(np.var(residual) > 2.0 * fit.ground.noise.deviation**2)
 
 
 def complexity(fit: Fit) -> float:
@@ -146,7 +157,7 @@ def choose(search: Search, ground: Ground) -> list[Choice]:
     if wanders(base.place) and search.family.prior.repeats == 0:
         fit, place = search.stilled(base.fit, base.place, 0)
         beam = [replace(base, fit=fit, place=place)]
-    for _ in range(MOST_TERMS):
+    for depth in range(MOST_TERMS):
         before = min(c.score for c in found.values())
         level: dict[Key, Choice] = {}
         for parent in beam:
@@ -155,7 +166,7 @@ def choose(search: Search, ground: Ground) -> list[Choice]:
         if not level:
             break
         beam = promising(list(level.values()), base.score)
-        if parent is base:
+        if depth == 0:
             beam = [grown(search, c) for c in beam]
             level |= {c.fit.key: c for c in beam}
         found |= {k: c for k, c in level.items() if k not in found or c.score < found[k].score}

@@ -12,7 +12,7 @@ from pipeline.discrepancy.fit import evaluate, improve
 from pipeline.discrepancy.force_delay import delay_of, late
 from pipeline.discrepancy.force_noise import noise_of_samples
 from pipeline.discrepancy.force_problem import averaged
-from pipeline.discrepancy.foretold import foretold_part
+from pipeline.discrepancy.foretold import foretold_part, testable
 from pipeline.discrepancy.intervals import covariance_of, estimates, stated, wide_covariance
 from pipeline.discrepancy.mistaken import mistaken_frames
 from pipeline.discrepancy.model import CorrectedModel, Hypothesis
@@ -106,13 +106,12 @@ def decided(problem: Problem, explanation: Explanation) -> tuple[Choice, Structu
         structure, best = replace(structure, found=True, where="everywhere"), base
     elif absurd is not None:
         structure = replace(structure, found=True, where=absurd)
-    unrepeated = explanation.prior.repeats == 0 and problem.derivatives is None
+    unrepeated = explanation.prior.repeats == 0 and problem.derivatives is None and testable(best)
     if not (accurate or structure.found):
-        best = foretold_part(explanation.choices, best, structured=False) if unrepeated else best
         said = mechanism_of(problem, best).respond(problem.motion)[0]
         structure = disproved(problem, explanation, best, problem.measured - said, structure)
     if structure.found and unrepeated:
-        best = foretold_part(explanation.choices, best, structured=True)
+        best = foretold_part(explanation.choices, best)
     elif structure.found:
         best = fewer(explanation, best)
     return best, structure, accurate

@@ -1,7 +1,7 @@
 """What each explanation foretells of later training rows, where no cycle repeats another."""
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -17,6 +17,14 @@ NEEDED, ENOUGH = 0.1, 0.7
 FEWEST_ROWS = 20
 
 
+@dataclass(frozen=True)
+class Part:
+    """early: (n,) mask of the rows that are fitted. ahead: rows (indices) that are foretold."""
+
+    early: np.ndarray
+    ahead: np.ndarray
+
+
 def foretelling(choices: Sequence[Choice]) -> list[Choice]:
     """The choices with what they foretell in their scores, the best first, then by score.
 
@@ -24,46 +32,40 @@ def foretelling(choices: Sequence[Choice]) -> list[Choice]:
     slow change best. So the choices near the best one are refitted to the first part of the
     training rows and have to foretell the next part; n log(error^2 / least error^2) is added to
     their scores, n being the number of independent samples foretold (prequential validation,
-    Dawid, J. R. Stat. Soc. A 147 (1984) 278). Of those that tie, the best is what foretells best.
+    Dawid, J. R. Stat. Soc. A 147 (1984) 278). At most it settles a tie: the scores know those rows.
     """
     ranked = sorted(choices, key=lambda c: c.score)
     near = [c for c in ranked if c.score < ranked[0].score + NEAR][:MOST]
-    rows = np.flatnonzero(ranked[0].fit.ground.used)
-    if len(near) < 2 or AHEAD * len(rows) < FEWEST_ROWS:
+    parts = parts_of(ranked[0].fit.ground)
+    if len(near) < 2 or not testable(ranked[0]):
         return ranked
-    errors = np.array([error_ahead(c, rows) for c in near])
-    count = len(CUTS) * AHEAD * independent(near[0].fit.ground)
-    extra = count * 2.0 * np.log(errors / errors.min())
+    errors = np.array([error_ahead(c, parts) for c in near])
+    share = rows_ahead(parts) / max(near[0].fit.ground.count, 1)
+    count = share * independent(near[0].fit.ground)
+    extra = np.minimum(count * 2.0 * np.log(errors / errors.min()), TIE)
     weighed = [replace(c, score=c.score + float(e)) for c, e in zip(near, extra, strict=True)]
-    least = min(c.score for c in weighed)
-    tied = [k for k, c in enumerate(weighed) if c.score < least + TIE]
-    best = weighed[min(tied, key=lambda k: errors[k])]
-    others = [c for c in (*weighed, *ranked) if c is not best and all(c is not n for n in near)]
-    return [best, *sorted(others, key=lambda c: c.score)]
+    return sorted([*weighed, *ranked[len(near) :]], key=lambda c: c.score)
 
 
-def foretold_part(choices: Sequence[Choice], choice: Choice, structured: bool) -> Choice:
-    """What of a choice later training rows bear out, where nothing repeats.
+def foretold_part(choices: Sequence[Choice], choice: Choice) -> Choice:
+    """What of a choice that leaves a structured rest later training rows bear out.
 
-    A name stays whose absence would raise the mean square error ahead above the least so far; the
-    rest is refitted. Where a structured rest is left it has to be by a tenth, and all go where what
-    stays takes away less than seven tenths of what calibration alone leaves.
+    A name stays whose absence would raise the mean square error ahead by a tenth of the least so
+    far; the rest is refitted. All go where what stays takes away less than seven tenths of what
+    calibration alone leaves.
     """
     base = next(c for c in choices if not c.fit.pieces)
-    rows = np.flatnonzero(choice.fit.ground.used)
-    needed = 1.0 + (NEEDED if structured else 0.0)
-    left = error_ahead(choice, rows) ** 2
+    parts = parts_of(choice.fit.ground)
+    left = error_ahead(choice, parts) ** 2
     while choice.fit.pieces:
         trials = [_without(choice, name) for name in dict.fromkeys(choice.fit.names)]
-        errors = [error_ahead(t, rows) ** 2 for t in trials]
+        errors = [error_ahead(t, parts) ** 2 for t in trials]
         k = int(np.argmin(errors))
-        if errors[k] > needed * left:
+        if errors[k] > (1.0 + NEEDED) * left:
             break
         choice, left = trials[k], min(left, errors[k])
-    if not structured:
-        return choice
-    whole = error_ahead(base, rows) ** 2
-    enough = error_ahead(choice, rows) ** 2 < (1.0 - ENOUGH) * whole
+    whole = error_ahead(base, parts) ** 2
+    enough = error_ahead(choice, parts) ** 2 < (1.0 - ENOUGH) * whole
     return choice if choice.fit.pieces and enough else base
 
 
@@ -84,19 +86,39 @@ def called_for(ground: Ground, pieces: Sequence[Piece]) -> Fit:
     return fit
 
 
-def error_ahead(choice: Choice, rows: np.ndarray) -> float:
+def parts_of(ground: Ground) -> list[Part]:
+    """What is fitted and what is foretold, for each cut; only where the drive has been before.
+
+    What a mechanism does beyond the range that was fitted says nothing of how it changes.
+    """
+    rows, drive, out = np.flatnonzero(ground.used), ground.problem.motion.drive, []
+    for cut in CUTS:
+        first = int(cut * len(rows))
+        early = np.zeros(len(ground.used), dtype=bool)
+        early[rows[:first]] = True
+        ahead = rows[first : first + int(AHEAD * len(rows))]
+        seen = (drive[ahead] >= drive[early].min()) & (drive[ahead] <= drive[early].max())
+        out.append(Part(early, ahead[seen]))
+    return out
+
+
+def testable(choice: Choice) -> bool:
+    """Whether there are rows enough ahead to judge by."""
+    return rows_ahead(parts_of(choice.fit.ground)) >= FEWEST_ROWS
+
+
+def rows_ahead(parts: Sequence[Part]) -> int:
+    """How many rows are foretold."""
+    return sum(len(part.ahead) for part in parts)
+
+
+def error_ahead(choice: Choice, parts: Sequence[Part]) -> float:
     """Root mean square error [measurement's unit] on rows after those that it is refitted to.
 
     A slip that those do not call for is left out: its moment was found by what came later.
     """
-    ground, square, count = choice.fit.ground, 0.0, 0
-    measured = ground.problem.measured
-    for cut in CUTS:
-        first = int(cut * len(rows))
-        ahead = rows[first : first + int(AHEAD * len(rows))]
-        early = np.zeros(len(ground.used), dtype=bool)
-        early[rows[:first]] = True
-        fit = called_for(replace(ground, used=early), choice.fit.pieces)
-        square += float(np.sum((measured - fit.predicted)[ahead] ** 2))
-        count += len(ahead)
-    return max(float(np.sqrt(square / count)), 1e-300)
+    ground, square = choice.fit.ground, 0.0
+    for part in parts:
+        fit = called_for(replace(ground, used=part.early), choice.fit.pieces)
+        square += float(np.sum((ground.problem.measured - fit.predicted)[part.ahead] ** 2))
+    return max(float(np.sqrt(square / max(rows_ahead(parts), 1))), 1e-300)

@@ -18,7 +18,7 @@ JITTER_COST = 0.5
 WALK_COST = 1.0
 
 Place = tuple[int, int, int]
-WALK_UNREPEATED = 12.0  # where nothing repeats, a walk is charged like the drift that it hides
+UNREPEATED = 12.0  # where nothing repeats, a zero that moves is charged like the drift it hides
 
 
 @dataclass(frozen=True)
@@ -37,11 +37,6 @@ class NoiseFamily:
     strain: np.ndarray
     still: bool = False
     filters: dict[Place, tuple[np.ndarray, float, np.ndarray]] = field(default_factory=dict)
-
-    @property
-    def jitters(self) -> bool:
-        """Whether a cycle's zero may jitter: only where cycles repeat is that no physics."""
-        return self.prior.repeats > 0
 
     def unit(self, place: Place) -> NoiseModel:
         """The noise at a place of the grid, its deviation 1."""
@@ -91,8 +86,9 @@ class NoiseFamily:
         cost += log_scales / unit.spell
         off = abs(log_scale - learnt) / sure
         cost += off**2 if off < 2.0 else 4.0 * (off - 1.0)
-        walk_cost = WALK_COST if self.prior.repeats > 0 else WALK_UNREPEATED
-        cost += JITTER_COST * (place[1] > 0) + walk_cost * (place[2] > 0)
+        repeat = self.prior.repeats > 0
+        cost += (JITTER_COST if repeat else UNREPEATED) * (place[1] > 0)
+        cost += (WALK_COST if repeat else UNREPEATED) * (place[2] > 0)
         return cost + self.strained(place), float(np.exp(log_scale))
 
     def strained(self, place: Place) -> float:
@@ -106,14 +102,13 @@ class NoiseFamily:
         if self.still:
             return self.noise_at(start, self.weigh(start, filled)[1]), start
         begins = {start, (shape, 0, 0), (shape, 0, MIDDLE_WALK)}
-        begins |= {(shape, MIDDLE, 0)} if self.jitters else set()
+        begins |= {(shape, MIDDLE, 0)}
         known = {place: self.weigh(place, filled, level_open=True) for place in begins}
         best = min(known, key=lambda place: known[place][0])
         while True:
             shape, jitter, walk = best
             moves = [(other, jitter, walk) for other in range(len(self.shapes))]
-            most = len(JITTERS) if self.jitters else 1
-            moves += [(shape, j, walk) for j in (jitter - 1, jitter + 1) if 0 <= j < most]
+            moves += [(shape, j, walk) for j in (jitter - 1, jitter + 1) if 0 <= j < len(JITTERS)]
             moves += [(shape, jitter, w) for w in (walk - 1, walk + 1) if 0 <= w < len(WALKS)]
             for move in moves:
                 if move not in known:
@@ -130,8 +125,7 @@ class NoiseFamily:
         shape, jitter, walk = place
         places = {place}
         if not self.still:
-            most = len(JITTERS) if self.jitters else 1
-            places |= {(shape, j, w) for j in range(most) for w in range(len(WALKS))}
+            places |= {(shape, j, w) for j in range(len(JITTERS)) for w in range(len(WALKS))}
             places |= {(other, jitter, walk) for other in range(len(self.shapes))}
         weighed = [(p, *self.weigh(p, filled, level_open=True)) for p in sorted(places)]
         least = min(cost for _, cost, _ in weighed)

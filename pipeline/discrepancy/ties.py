@@ -14,7 +14,7 @@ TEMPERATURE = 2.0
 BENDS = frozenset({"camera_tilt", "lens_distortion", "compliance", "gravity"})
 SAME_AT_ONE_DWELL = (frozenset({"creep", "response_lag"}),)
 SAME_AT_ONE_SPEED = (
-    frozenset({"friction", "creep"}),
+    frozenset({"friction", "creep", "response_lag"}),
     frozenset({"backlash", "frame_lag", "response_lag"}),
 )
 DIFFERENT = 0.2

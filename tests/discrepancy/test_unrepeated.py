@@ -1,0 +1,77 @@
+"""Diagnoses where no cycle repeats another, so that nothing but time tells noise from physics."""
+
+import numpy as np
+import pandas as pd
+
+from pipeline.config import DiagnosisConfig
+from pipeline.discrepancy.explain import explain
+from pipeline.discrepancy.foretold import parts_of
+from pipeline.discrepancy.problem import pose_problem
+from pipeline.physics.catalogue import term
+from pipeline.physics.kinematics import CubicCurve
+from pipeline.physics.mechanism import Mechanism, Piece
+from pipeline.physics.motion import Motion
+from pipeline.recording import Channel, Recording, with_context
+from pipeline.stages.diagnosis import diagnose
+
+NOISE = 0.2
+ROWS, DWELL_S = 900, 0.5
+CHANNELS = (
+    Channel("motor_deg", "command", "deg"),
+    Channel("tip_deg", "measurement", "deg"),
+    Channel("tip_sim_deg", "simulation", "deg", of="tip_deg"),
+)
+TIME_S = np.arange(ROWS) * DWELL_S
+WAVES = sum(np.sin(2.0 * np.pi * f * TIME_S / TIME_S[-1] + f) for f in (5.0, 12.3, 19.1))
+ONCE = 40.0 * np.sin(2.0 * np.pi * np.arange(ROWS) / ROWS)
+
+
+def moved(command_deg: np.ndarray, *hidden: tuple[str, list[float]], seed: int) -> Recording:
+    """A mechanism with hidden terms ("name/form", parameters), measured with white noise."""
+    motion = Motion(command_deg, TIME_S, np.zeros(ROWS, dtype=int))
+    pieces = [Piece(term(*key.split("/")), np.array(values)) for key, values in hidden]
+    curve = CubicCurve(0.7, 1e-5)
+    noise = NOISE * np.random.default_rng(seed).standard_normal(ROWS)
+    measured = Mechanism(curve, pieces, 1.02, 0.4).respond(motion)[0] + noise
+    columns = [TIME_S, command_deg, measured, curve(command_deg)]
+    names = ["time_s", *(channel.name for channel in CHANNELS)]
+    samples = pd.DataFrame(dict(zip(names, columns, strict=True)))
+    return Recording(with_context(samples, CHANNELS), CHANNELS, "simulated")
+
+
+def named(recording: Recording) -> set[str]:
+    return {p.name for p in diagnose(DiagnosisConfig(), recording).diagnoses[0].physics}
+
+
+def test_a_slip_is_named_however_late_it_is():
+    hidden = ("backlash", [3.0]), ("lost_steps", [1.5, 260.0])
+    assert named(moved(20.0 * WAVES, *hidden, seed=1)) == {"backlash", "lost_steps"}
+
+
+def test_a_lag_that_swings_is_found_where_a_plain_delay_comes_near_it():
+    assert named(moved(20.0 * WAVES, ("response_lag/second", [0.9, 0.5]), seed=2)) == {
+        "response_lag"
+    }
+
+
+def test_a_zero_that_wanders_far_is_drift_and_no_noise():
+    recording = moved(20.0 * WAVES, ("backlash", [3.0]), seed=3)
+    tip = recording.values("tip_deg") + 1.5 * np.sin(5.0 * TIME_S / TIME_S[-1])
+    wandering = Recording(recording.samples.assign(tip_deg=tip), CHANNELS, "simulated")
+    assert "drift" in named(wandering)
+
+
+def test_in_one_cycle_a_bend_takes_no_second_name():
+    assert len(named(moved(ONCE, ("lens_distortion", [1e-4, 0.0]), seed=4))) == 1
+
+
+def test_only_commands_that_were_fitted_are_foretold():
+    recording = moved(ONCE, seed=5)
+    sim = recording.values("tip_sim_deg")
+    ground = (
+        explain(pose_problem(DiagnosisConfig(), recording, "tip_deg", sim)).choices[0].fit.ground
+    )
+    for part in parts_of(ground):
+        assert ONCE[part.ahead].min(initial=0.0) >= ONCE[part.early].min()
+        assert not part.early[part.ahead].any()
+    assert len(parts_of(ground)[0].ahead) < 0.25 * ground.count
