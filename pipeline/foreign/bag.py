@@ -32,8 +32,9 @@ def read_bag(path: Path, reading: ReadingConfig) -> ForeignTable:
         connections = _connections(path, bag, reading.topic)
         kind = connections[0].msgtype
         columns = Columns()
-        for moment_ns, message in _messages(bag, connections):
-            row = dict(_joints(message) if kind == JOINT_STATE else _numbers("", message))
+        for number, (moment_ns, message) in enumerate(_messages(bag, connections)):
+            at = f"{path}, topic {reading.topic}, message {number} (from 0)"
+            row = dict(_joints(at, message) if kind == JOINT_STATE else _numbers("", message))
             columns.add({LOG_TIME: moment_ns} | row)
     where = f"{path}, topic {reading.topic} ({kind})"
     table = columns.arrays()
@@ -80,12 +81,18 @@ def _messages(bag: AnyReader, connections: list[Connection]) -> Iterator[tuple[i
         yield moment_ns, bag.deserialize(raw, connection.msgtype)
 
 
-def _joints(message: object) -> Iterator[tuple[str, object]]:
+def _joints(where: str, message: object) -> Iterator[tuple[str, object]]:
     """Each joint's numbers by its name: their order may change from message to message."""
     names = list(getattr(message, "name", []))
     yield from _numbers("header", getattr(message, "header", None))
     for field in JOINT_FIELDS:
-        for joint, value in zip(names, getattr(message, field), strict=False):
+        values = getattr(message, field)
+        if len(values) not in (0, len(names)):
+            raise ForeignFileError(
+                refusal(where, f"a {field} for each of {', '.join(names)}, or none",
+                        f"{len(values)}", "Record whole messages, or name another topic.")
+            )  # fmt: skip
+        for joint, value in zip(names, values, strict=False):
             yield f"{joint}.{field}", float(value)
 
 

@@ -9,7 +9,7 @@ import pandas as pd
 
 from pipeline.config_importing import ReadingConfig
 from pipeline.errors import UsageError, refusal
-from pipeline.foreign.headers import heads_columns, named_columns, repeated_names
+from pipeline.foreign.headers import heads_columns, named_columns, names_from, repeated_names
 from pipeline.foreign.table import ForeignFileError, ForeignTable
 
 SEPARATORS = ("\t", ";", "|", ",", " ")
@@ -56,7 +56,11 @@ def _table(path: Path, reading: ReadingConfig) -> ForeignTable:
     samples = _parse(path, [line for _, line in body], separator, len(names), reading.decimal)
     columns = {name: samples[i].to_numpy() for i, name in enumerate(names)}
     numbers = np.array([number for number, _ in body], dtype=int)
-    return ForeignTable(str(path), columns, lambda row: f"line {numbers[row]}", repeated=repeated)
+    named = f"Cells were parted at {separator!r} (`reading.separator`). "
+    named += names_from(f"line {kept[0][0]}", with_header)
+    return ForeignTable(
+        str(path), columns, lambda row: f"line {numbers[row]}", repeated=repeated, named=named
+    )
 
 
 def _decoded(path: Path, encoding: str | None) -> str:

@@ -7,7 +7,7 @@ from openpyxl import load_workbook
 
 from pipeline.config_importing import ReadingConfig
 from pipeline.errors import UsageError, refusal
-from pipeline.foreign.headers import heads_columns, named_columns, repeated_names
+from pipeline.foreign.headers import heads_columns, named_columns, names_from, repeated_names
 from pipeline.foreign.table import ForeignFileError, ForeignTable, parsing
 
 
@@ -22,16 +22,24 @@ def read_xlsx(path: Path, reading: ReadingConfig) -> ForeignTable:
                     "Name another sheet: `reading.sheet`.")
         )  # fmt: skip
     head = ["" if value is None else str(value).strip() for value in rows[0][1]]
-    with_header = heads_columns(head, ".") if reading.header is None else reading.header
+    with_header = heads_columns(head, reading.decimal) if reading.header is None else reading.header
     body = rows[(1 if with_header else 0) + reading.skip_after_header :]
     cells = np.empty((len(body), len(head)), dtype=object)
     for number, (_, row) in enumerate(body):
-        cells[number] = row
+        cells[number] = [_pointed(value, reading.decimal) for value in row]
     numbers = [number for number, _ in body]
     names, repeated = named_columns(head, with_header), repeated_names(head, with_header)
     columns = {name: cells[:, i] for i, name in enumerate(names)}
     where = f"{path}, sheet {sheet!r}"
-    return ForeignTable(where, columns, lambda row: f"row {numbers[row]}", repeated=repeated)
+    named = names_from(f"row {rows[0][0]}", with_header)
+    return ForeignTable(
+        where, columns, lambda row: f"row {numbers[row]}", repeated=repeated, named=named
+    )
+
+
+def _pointed(value: object, decimal: str) -> object:
+    """A cell; text with a decimal comma as other text is read, with a point."""
+    return value.replace(decimal, ".") if isinstance(value, str) else value
 
 
 def _rows(

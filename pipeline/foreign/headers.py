@@ -23,6 +23,13 @@ def repeated_names(cells: list[str], with_header: bool) -> list[str]:
     return [name for name, count in Counter(_given(cells, with_header)).items() if count > 1]
 
 
+def names_from(first: str, with_header: bool) -> str:
+    """Where a table's names came from, and the setting for it; `first` is its first row."""
+    if with_header:
+        return f"Names were taken from {first} (`reading.skip_rows`)."
+    return f"No names were found in {first}: columns are called by their index from 0."
+
+
 def _given(cells: list[str], with_header: bool) -> list[str]:
     return [cell if with_header and cell else str(i) for i, cell in enumerate(cells)]
 

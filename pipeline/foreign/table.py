@@ -1,5 +1,6 @@
 """Columns as a foreign file has them, and errors that say where in the file something is wrong."""
 
+import datetime
 import difflib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -11,6 +12,8 @@ import pandas as pd
 from pipeline.errors import LoopgapError, UsageError, refusal
 
 LISTED = 30
+TAKE_AS_DATE = "Take dates as time, with `time.unit: date`, or take another column."
+MOMENTS = (datetime.date, datetime.time, datetime.timedelta)  # a datetime is a date
 
 
 class ForeignFileError(LoopgapError):
@@ -39,7 +42,8 @@ class ForeignTable:
     """Named columns of shape (n,); their lengths may differ where the file holds several arrays.
 
     `unusable` says of what else the file holds why it is no column; `repeated` are names that
-    stand over several columns; `frames` gives a JPEG for each row, one after the other.
+    stand over several columns; `named` says how the columns came to their names, where that is a
+    guess; `frames` gives a JPEG for each row, one after the other.
     """
 
     where: str
@@ -47,6 +51,7 @@ class ForeignTable:
     row_name: Callable[[int], str] = row_from_zero
     unusable: Mapping[str, str] = field(default_factory=dict)
     repeated: Sequence[str] = ()
+    named: str = ""
     frames: Callable[[], Iterator[bytes]] | None = None
 
     def find(self, wanted: str) -> str:
@@ -66,10 +71,10 @@ class ForeignTable:
                 refusal(f"{self.where}, {wanted!r}", "a column of numbers", self.unusable[wanted],
                         "Name another column.")
             )  # fmt: skip
-        raise UsageError(
-            refusal(self.where, f"a column {wanted!r}", f"columns {listed(names)}",
-                    suggestion(wanted, names) + "Name one of these in the mapping.")
-        )  # fmt: skip
+        others = [f"{name or 'all'} is {what}" for name, what in self.unusable.items()]
+        found = f"columns {listed(names)}" + (f"; {listed(others)}" if others else "")
+        remedy = f"{suggestion(wanted, names)}Name one of these in the mapping. {self.named}"
+        raise UsageError(refusal(self.where, f"a column {wanted!r}", found, remedy.rstrip()))
 
     def numbers(self, wanted: str) -> np.ndarray:
         """A column as numbers, shape (n,), whole numbers left whole; empty cells are NaN."""
@@ -79,12 +84,8 @@ class ForeignTable:
             return values
         if values.dtype.kind == "b":
             return values.astype(float)
-        if values.dtype.kind == "M":
-            raise UsageError(
-                refusal(f"{self.where}, column {name!r}", "numbers", "dates",
-                        "Take it as time, with `time.unit: date`, or take another column.")
-            )  # fmt: skip
         given = pd.Series(values)
+        self._refuse_moments(name, values)
         numbers = pd.to_numeric(given, errors="coerce").to_numpy(dtype=float)
         bad = np.flatnonzero(np.isnan(numbers) & given.notna().to_numpy())
         if bad.size:
@@ -93,6 +94,16 @@ class ForeignTable:
                         repr(str(values[bad[0]])), _remedy(str(values[bad[0]])))
             )  # fmt: skip
         return numbers
+
+    def _refuse_moments(self, name: str, values: np.ndarray) -> None:
+        """pandas would take dates for numbers, counted in a unit of its own."""
+        dated = values.dtype.kind in "mM"
+        found = [0] if dated else [k for k, v in enumerate(values) if isinstance(v, MOMENTS)]
+        if found:
+            raise UsageError(
+                refusal(f"{self.where}, {self.row_name(found[0])}, column {name!r}", "a number",
+                        f"the date or time {values[found[0]]}", TAKE_AS_DATE)
+            )  # fmt: skip
 
     def dates_ns(self, wanted: str) -> np.ndarray:
         """A column of dates (ISO 8601, or as the file keeps them) in ns since 1970, UTC."""
@@ -105,7 +116,7 @@ class ForeignTable:
             raise ForeignFileError(
                 refusal(f"{self.where}, {self.row_name(row)}, column {name!r}",
                         "a date such as 2026-05-01T12:00:00.25", repr(str(given.iloc[row])),
-                        "Correct it, or give the unit of its number.")
+                        "Write dates so (ISO 8601), or give the unit of a number.")
             )  # fmt: skip
         return dates.dt.as_unit("ns").astype("int64").to_numpy()
 
@@ -129,5 +140,7 @@ def suggestion(wanted: str, names: Sequence[str]) -> str:
 def _remedy(text: str) -> str:
     if "," in text and text.replace(",", ".", 1).replace(".", "", 1).lstrip("+-").isdigit():
         return "If that is a decimal comma, set `reading.decimal: ','`."
+    if not pd.isna(pd.to_datetime(text, errors="coerce", format="ISO8601")):
+        return TAKE_AS_DATE
     return ("Correct it or leave it empty; rows of units or remarks are left out with "
             "`reading.skip_after_header`, `reading.skip_rows` or `reading.comment`.")  # fmt: skip

@@ -5,13 +5,14 @@ from pathlib import Path
 from threadpoolctl import threadpool_limits
 
 from pipeline.errors import UsageError, refusal
+from pipeline.foreign.mapping import check_mapping
 from pipeline.foreign.read import read_table
 from pipeline.recording import Recording, save_recording
 from pipeline.runners.diagnosis import answer, summary, write_answer, write_pages
 from pipeline.runners.run_folder import Run
 from pipeline.runners.simulation import with_simulation
 from pipeline.stages.force_study import errors_table, parameters_table
-from pipeline.stages.importing import assemble, check_mapping
+from pipeline.stages.importing import assemble
 from pipeline.tracking.tables import plain, write_table
 
 WITHIN = "force_study.fitted and force_study.other"

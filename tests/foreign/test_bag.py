@@ -3,6 +3,7 @@
 import json
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import cv2
 import numpy as np
@@ -15,6 +16,7 @@ from rosbags.typesys import Stores, get_typestore
 from pipeline import app
 from pipeline.config import Config
 from pipeline.errors import LoopgapError, UsageError
+from pipeline.foreign.bag import _joints
 from pipeline.foreign.images import encoded
 from pipeline.recording import load_recording
 from pipeline.runners.importing import run_importing
@@ -181,6 +183,12 @@ def test_a_joint_that_is_not_there(tmp_path):
     config.tables["joints"].channels["elbow_deg"].column = "elbow.velocity"
     with pytest.raises(UsageError, match="expected a column 'elbow.velocity'.*elbow.position"):
         import_from(bag(tmp_path), config)
+
+
+def test_joints_without_their_numbers_are_refused():
+    message = SimpleNamespace(name=["elbow", "wrist"], position=[0.1], velocity=[], effort=[])
+    with pytest.raises(LoopgapError, match="position for each of elbow, wrist, or none; found 1"):
+        dict(_joints("bag, message 0", message))
 
 
 def test_images_come_from_image_topics_and_are_not_interpolated(tmp_path):

@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Callable
+from datetime import datetime
 from pathlib import Path
 
 import h5py
@@ -171,6 +172,16 @@ def two_sheets(path: Path) -> None:
     book.save(path)
 
 
+def workbook(*rows: list[object]) -> Callable[[Path], object]:
+    def write(path: Path) -> None:
+        book = openpyxl.Workbook()
+        for row in rows:
+            book.active.append(row)
+        book.save(path)
+
+    return write
+
+
 BAD: list[tuple[str, Callable[[Path], object], str]] = [
     ("empty.csv", lambda path: path.write_text(""), "expected samples; found an empty file"),
     ("blank.csv", lambda path: path.write_text("\n\n \n"), "nothing in the file but blank"),
@@ -198,6 +209,14 @@ BAD: list[tuple[str, Callable[[Path], object], str]] = [
     ("cut73.mat", halved(mat73), "expected a whole MATLAB file"),
     ("cut.xlsx", halved(xlsx), "expected a whole xlsx workbook"),
     ("formula.xlsx", uncalculated, r"row 2: expected calculated values; found the formula =B2"),
+    ("dates.xlsx", workbook(["t", "cmd", "ang"], [datetime(2026, 5, 1, 12), 1.0, 2.0]),
+     "row 2, column 't': expected a number; found the date or time 2026-05-01 12:00:00. Take"),
+    ("title.xlsx", workbook(["Run 3"], ["t", "cmd", "ang"], [0.0, 1.0, 2.0]),
+     r"found columns Run 3, 1, 2. .*Names were taken from row 1 \(`reading.skip_rows`\)"),
+    ("parted.csv", lambda path: path.write_text("t, cmd; ang\n0, 1; 2\n1, 2; 3\n"),
+     r"Cells were parted at ';' \(`reading.separator`\)"),
+    ("structs.mat", lambda path: scipy.io.savemat(path, {"log": [{"t": 0.0}, {"t": 1.0}]}),
+     "found columns none; log is "),
     ("sheets.xlsx", two_sheets, "name of a sheet.*Choose one of notes, log"),
     ("cut.parquet", halved(TABLE.to_parquet), "expected a whole Parquet file"),
     ("cut.json", lambda path: path.write_text(json.dumps(records())[:400]), "expected JSON"),
@@ -250,6 +269,13 @@ def test_a_separator_is_one_character(tmp_path):
     TABLE.to_csv(tmp_path / "a.csv", index=False)
     with pytest.raises(UsageError, match="reading.separator: expected one character; found ';;'"):
         import_from(tmp_path / "a.csv", mapping(reading={"separator": ";;"}))
+
+
+def test_text_cells_of_a_workbook_may_have_a_decimal_comma(tmp_path):
+    workbook(["t", "cmd", "ang"], ["0,0", "1,5", 2.0], ["0,5", 1.0, 2.0])(tmp_path / "a.xlsx")
+    recording = import_from(tmp_path / "a.xlsx", mapping(reading={"decimal": ","})).recording
+    assert recording.values("time_s").tolist() == [0.0, 0.5]
+    assert recording.values("command_deg").tolist() == [1.5, 1.0]
 
 
 def test_which_file_a_pattern_means(tmp_path):
