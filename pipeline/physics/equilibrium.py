@@ -19,6 +19,8 @@ LEAST_PULL, LEAST_SLOPE = 1e-12, 1e-3
 SAFE = 16.0
 NEVER = 1e300
 SAME_DWELL = 1e-9
+EVEN = 0.8
+FIRST_PART, GROWTH = 0.04, 1.6
 
 # Nothing here allocates an array, so that nothing needs to count references to one (half the time).
 inlined = njit(  # type: ignore[call-overload]
@@ -142,6 +144,8 @@ def _rested(at, theta, asked, stiff, pull, tangent, body, strings):  # type: ign
         if at <= low or at >= high:
             share = 0.5 if sweep % 2 else under / (under - over)
             at = low + share * (high - low)
+        elif contact.shape[0] > 0 and abs(move) > contact[0, 3]:
+            continue
         elif SAFE * move * move * abs(slope - last) < PRECISE * abs(at + move - theta) * slope:
             break
     return at, (slope, yielding, taut * yielding, (1.0 + taut * wires) * yielding)
@@ -263,7 +267,8 @@ def balance(  # type: ignore[no-untyped-def]
 
     state: q + pushed, angle, forces of the sliders and of the bristles, far ends of the arms,
     stiffness r. A sample is taken after its dwell: first the joint moves at once, then the arms
-    relax and it settles again.
+    relax and it settles again. Where the stiffness r changes on the way, by more than EVEN, a joint
+    with drag goes it again in parts of the dwell, each with its own r.
     body: cubic, gravity, its zero, radian, contacts. strings: gives, loose wires, pretension. gone:
     (a,) to work in. A tangent is the equation's slope, one over it, and how far the joint moves for
     what is asked and for a load.
@@ -282,19 +287,34 @@ def balance(  # type: ignore[no-untyped-def]
     bank = _line(1.0, theta, ends, slip)
     eased, relaxed, firmer, waited, held_back = -1.0, -1.0, -1.0, -1.0, 0.0
     for t in range(q.size):
-        stiff, pull = _pulled(softest, pushed[t], far, arm)
-        if drag > 0.0:
-            if firm != firmer or abs(dwell[t] - waited) > SAME_DWELL * waited:
-                firmer, waited = firm, dwell[t]
-                held_back = firm / max(np.expm1(min(firm * waited / drag, LONG)), BRIEF)
-            stiff += held_back
-            pull += held_back * theta
-        now = q[t] + pushed[t]
+        free, load = _pulled(softest, pushed[t], far, arm)
+        now, wait = q[t] + pushed[t], dwell[t]
         at, asked, last = theta + (now - asked) * tangent[2], now, theta
-        theta, tangent, bank = _moved(
-            at, theta, q[t], stiff, pull, tangent, body, strings, straight, bank, slip, ends
-        )
-        _bend(theta - last, bristle, bent)
+        before, began, left, whole = bank, firm, wait, True
+        while True:
+            stiff, pull, start = free, load, theta
+            if drag > 0.0:
+                if firm != firmer or abs(wait - waited) > SAME_DWELL * waited:
+                    firmer, waited = firm, wait
+                    held_back = firm / max(np.expm1(min(firm * waited / drag, LONG)), BRIEF)
+                stiff += held_back
+                pull += held_back * theta
+            theta, tangent, bank = _moved(
+                at, theta, q[t], stiff, pull, tangent, body, strings, straight, bank, slip, ends
+            )
+            if drag > 0.0:
+                firm = max(1.0 / tangent[3] - held_back, SOFTEST)
+                if whole and not EVEN * began < firm < began / EVEN:
+                    if bank[0] != before[0]:
+                        _turn(bank[0], last, ends, slip)
+                    at, theta, bank, firm = last, last, before, began
+                    whole, wait = False, FIRST_PART * left
+                    continue
+            _bend(theta - start, bristle, bent)
+            left -= wait
+            if left <= 0.0 or drag <= 0.0:
+                break
+            at, wait = theta, min(GROWTH * wait, left)
         if arms > 0:
             if eased != tangent[3] or abs(dwell[t] - relaxed) > SAME_DWELL * relaxed:
                 eased, relaxed = tangent[3], dwell[t]
@@ -305,7 +325,6 @@ def balance(  # type: ignore[no-untyped-def]
                 at, theta, q[t], stiff, pull, tangent, body, strings, straight, bank, slip, ends
             )
             _bend(theta - last, bristle, bent)
-        if drag > 0.0:
             firm = max(1.0 / tangent[3] - held_back, SOFTEST)
         out[t] = theta
     _forces(bank[0], theta, ends, slip)

@@ -124,7 +124,10 @@ def test_a_sampled_curve_follows_its_samples_and_goes_on_straight():
             1e-3,
         ),
         (Piece(Creep(), np.array([0.1, 60])), Piece(Slack(), np.array([12, 0, 0.3, 0.02])), 1e-3),
-        (Piece(ResponseLag(), np.array([2.0])), Piece(Friction(), np.array([5.0, 4, 0.7])), 0.1),
+        (Piece(ResponseLag(), np.array([2.0])), Piece(Friction(), np.array([5.0, 4, 0.7])), 0.05),
+        (Piece(ResponseLag(), np.array([4.0])), Piece(Friction(), np.array([2.0, 0.2, 0.0])), 0.01),
+        (Piece(ResponseLag(), np.array([4])), Piece(EndStop(), np.array([30, 0.05, 0.02])), 0.03),
+        (Piece(ResponseLag(), np.array([4])), Piece(Contact(), np.array([6, 20, 0.4])), 0.03),
     ],
 )
 def test_a_dwell_taken_at_once_is_many_short_ones(late, other, within):
