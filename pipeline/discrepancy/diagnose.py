@@ -6,7 +6,13 @@ from dataclasses import replace
 import numpy as np
 
 from pipeline.discrepancy.accuracy import calibrated_alone, within_accuracy
-from pipeline.discrepancy.choose import Choice, absurd_calibration
+from pipeline.discrepancy.choose import (
+    SLOW,
+    Choice,
+    absurd_calibration,
+    extended,
+    wanders,
+)
 from pipeline.discrepancy.explain import Explanation, explain, not_excited
 from pipeline.discrepancy.fit import evaluate, improve
 from pipeline.discrepancy.force_delay import delay_of, late
@@ -29,7 +35,17 @@ from pipeline.discrepancy.result import (
     NamedPhysics,
     Unexplained,
 )
-from pipeline.discrepancy.ties import Standing, by_names, standing, weights_of
+from pipeline.discrepancy.ties import (
+    BENDS,
+    Standing,
+    by_names,
+    equivalents,
+    names,
+    plain,
+    standing,
+    undisguised,
+    weights_of,
+)
 from pipeline.discrepancy.verdict import (
     Structure,
     fewer,
@@ -45,6 +61,7 @@ from pipeline.recording import Recording
 RIVALS = 6
 RIVAL_GAP = 14.0
 SUREST = 0.98
+CHANCE = 0.05
 
 
 def diagnose_measurement(
@@ -95,7 +112,7 @@ def diagnose_measurement(
 
 def decided(problem: Problem, explanation: Explanation) -> tuple[Choice, Structure, bool]:
     """What stays of the best choice, the structured rest, and whether the accuracy decided."""
-    best = explanation.choices[0]
+    best = sure_of_slow(explanation, undisguised(explanation.choices))
     structure = structure_of(explanation, best)
     base = next(c for c in explanation.choices if not c.fit.pieces)
     accurate, absurd = within_accuracy(base, explanation.used), absurd_calibration(best.fit)
@@ -115,6 +132,19 @@ def decided(problem: Problem, explanation: Explanation) -> tuple[Choice, Structu
     elif structure.found:
         best = fewer(explanation, best)
     return best, structure, accurate
+
+
+def sure_of_slow(explanation: Explanation, best: Choice) -> Choice:
+    """The best choice, without its drift and slips where they may be noise that wanders.
+
+    Where cycles repeat, such a zero is nothing to be named: the odds against it must be 20 to 1.
+    """
+    quiet = {n for n in best.fit.names if n not in SLOW}
+    if explanation.prior.repeats == 0 or len(quiet) == len(names(best)):
+        return best
+    rivals = [c for c in explanation.choices if names(c) == quiet and wanders(c.place)]
+    rival = min(rivals, key=lambda c: c.score, default=best)
+    return rival if rival.score < best.score - 2.0 * np.log(CHANCE) else best
 
 
 def calibration_of(problem: Problem, choice: Choice) -> Calibration:
@@ -178,7 +208,10 @@ def hypotheses_of(
     problem: Problem, explanation: Explanation, best: Choice
 ) -> tuple[Hypothesis, ...]:
     """The explanations that compete: the chosen one, and the others by their probability."""
-    distinct = [c for c in by_names(explanation.choices) if c.score < best.score + RIVAL_GAP]
+    every = [*explanation.choices, *swapped(explanation, best)]
+    near = [c for c in by_names(every) if c.score < best.score + RIVAL_GAP]
+    known = {names(c) for c in near}
+    distinct = [c for c in near if c is best or plain(c) == names(c) or plain(c) not in known]
     if all(c is not best for c in distinct):
         distinct = [best]
     weights = weights_of(distinct)
@@ -189,6 +222,22 @@ def hypotheses_of(
         )
     ]
     return tuple(found[:RIVALS])
+
+
+def swapped(explanation: Explanation, best: Choice) -> list[Choice]:
+    """The best choice with a name swapped for one that such commands can't tell from it.
+
+    Only those that the search has left out: it keeps few of those that fit alike.
+    """
+    search, tried, out = explanation.search, {names(c) for c in explanation.choices}, []
+    for name in dict.fromkeys(best.fit.names):
+        rest = [p for p in best.fit.pieces if p.term.name != name]
+        rivals = set(equivalents(name, explanation.problem)) - BENDS
+        left_out = {r for r in rivals if names(best) - {name} | {r} not in tried}
+        if left_out:
+            own = replace(search, terms=tuple(t for t in search.terms if t.name in left_out))
+            out += extended(own, replace(best, fit=evaluate(best.fit.ground, rest)))
+    return out
 
 
 def evidence_of(

@@ -1,15 +1,21 @@
 """Ties: explanations that these data can't tell from the best one, and the known equivalents."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from pipeline.discrepancy.choose import Choice
+from pipeline.discrepancy.fit import Fit, evaluate, parameters_of
 from pipeline.discrepancy.intervals import covariance_of
 from pipeline.discrepancy.problem import Problem
 from pipeline.physics.catalogue import terms
+from pipeline.physics.mechanism import Piece
 
 TIE = 9.0
+SURE = 2.0
+NEGLIGIBLE = 1e-4
+DISGUISES = {"tension_loss": "backlash", "friction": "backlash", "slack": "compliance"}
 TEMPERATURE = 2.0
 BENDS = frozenset({"camera_tilt", "lens_distortion", "compliance", "gravity"})
 SAME_AT_ONE_DWELL = (frozenset({"creep", "response_lag"}),)
@@ -46,12 +52,14 @@ def standing(name: str, best: Choice, choices: list[Choice], problem: Problem) -
     """What the other choices say of a name of the best one."""
     distinct = by_names(choices)
     weights = weights_of(distinct)
-    probability = float(sum(w for w, c in zip(weights, distinct, strict=True) if name in names(c)))
+    likely = [(w, c) for w, c in zip(weights, distinct, strict=True) if w > NEGLIGIBLE]
+    probability = float(sum(w for w, c in likely if name in plain(c)))
     rest = names(best) - {name}
     gaps: dict[str, float] = {}
     for choice in distinct:
         other = names(choice) - rest
-        if rest <= names(choice) and len(other) == 1 and name not in other and grows(choice):
+        swapped = rest <= names(choice) and len(other) == 1 and name not in other
+        if swapped and plain(choice) == names(choice):
             gaps.setdefault(next(iter(other)), choice.score - best.score)
     tied = [n for n, gap in gaps.items() if gap < TIE]
     known = [n for n in equivalents(name, problem) if n not in names(best) | set(tied)]
@@ -59,16 +67,44 @@ def standing(name: str, best: Choice, choices: list[Choice], problem: Problem) -
     return Standing(probability, tuple(sorted(tied) + known), unsettled)
 
 
-def grows(choice: Choice) -> bool:
-    """Whether a play that is said to grow does so for sure; else it is plain backlash."""
-    fit = choice.fit
-    at = 0
-    for piece in fit.pieces:
-        if piece.term.name == "tension_loss":
-            place = len(fit.nuisance) + at
-            return bool(piece.values[0] > 2.0 * np.sqrt(covariance_of(fit)[place, place]))
-        at += len(piece.values)
-    return True
+def plain(choice: Choice) -> frozenset[str]:
+    """The names of a choice, each that is another one in disguise under that other name.
+
+    A play that does not surely grow, or whose corners are surely sharp, is backlash; a dead zone
+    that is not surely wider than nothing is wire that gives way at first.
+    """
+    fit, found = choice.fit, set()
+    k = len(fit.nuisance)
+    for i, piece in enumerate(fit.pieces):
+        name, hidden = piece.term.name, False
+        if name in ("tension_loss", "slack"):
+            hidden = bool(piece.values[0] <= SURE * np.sqrt(covariance_of(fit)[k, k]))
+        elif name == "friction":
+            hidden = sharp(fit, i)
+        found.add(DISGUISES[name] if hidden else name)
+        k += len(piece.values)
+    return frozenset(found)
+
+
+def undisguised(choices: Sequence[Choice]) -> Choice:
+    """The best of some choices, or what it is in disguise where that ties with it."""
+    best = choices[0]
+    wanted = plain(best)
+    same = [c for c in choices if names(c) == wanted and c.score < best.score + TIE]
+    return min(same, key=lambda c: c.score, default=best)
+
+
+def sharp(fit: Fit, place: int) -> bool:
+    """Whether the corners of a friction (the fit's piece there) are surely sharper than a step."""
+    piece, around = fit.pieces[place], fit.ground.problem.around
+    step = around.step * around.angle_span / max(around.drive_span, 1e-300)
+    named = [p.name for p in parameters_of(fit.ground, piece.term)]
+    values = piece.values.copy()
+    values[named.index("reach")] = step
+    if not piece.term.in_balance or step <= piece.values[named.index("reach")]:
+        return False
+    rounded = (*fit.pieces[:place], Piece(piece.term, values), *fit.pieces[place + 1 :])
+    return evaluate(fit.ground, rounded).cost > fit.cost + SURE**2
 
 
 def names(choice: Choice) -> frozenset[str]:

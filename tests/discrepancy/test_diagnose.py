@@ -80,6 +80,12 @@ def test_friction_and_creep_of_one_dwell_list_each_other():
     assert {physics[0].name, *physics[0].alternatives} >= {"friction", "creep"}
 
 
+def test_each_alternative_of_a_play_competes_and_none_is_that_play_in_disguise():
+    result = diagnosed(recorded({"backlash": {"width": 1.2}}, seed=1))
+    single = {h.names[0] for h in result.evidence[0].hypotheses if len(h.names) == 1}
+    assert single == {"backlash", *result.diagnoses[0].physics[0].alternatives}
+
+
 def test_what_bends_the_curve_lists_all_that_could():
     hidden = {"lens_distortion": {"distortion": 6e-5, "centre": 12.0}}
     diagnosis = diagnosed(recorded(hidden, seed=3)).diagnoses[0]
@@ -112,6 +118,13 @@ def test_mistaken_frames_are_named_and_do_not_spoil_the_fit():
     assert names(result) == {"backlash", "marker_outliers"}
     assert value_of(result, "marker_outliers", "size").value == pytest.approx(9.0, abs=0.4)
     assert result.diagnoses[0].after.heldout_rmse < 1.15 * NOISE
+
+
+def test_a_zero_that_walks_is_no_slip_until_the_odds_are_twenty_to_one():
+    recording = recorded({}, seed=5, cycles=9)
+    walk = np.cumsum(np.random.default_rng(105).normal(0.0, 0.01, len(recording.values(ANGLE))))
+    result = diagnosed(changed(recording, **{ANGLE: recording.values(ANGLE) + walk}))
+    assert result.diagnoses[0].verdict == "no_mismatch"
 
 
 def test_structure_outside_the_catalogue_is_said_so():
