@@ -20,7 +20,7 @@ from pipeline.discrepancy.force_noise import noise_of_samples
 from pipeline.discrepancy.force_problem import averaged
 from pipeline.discrepancy.foretold import foretold_part, testable
 from pipeline.discrepancy.intervals import covariance_of, estimates, stated, wide_covariance
-from pipeline.discrepancy.mistaken import mistaken_frames
+from pipeline.discrepancy.mistaken import mistaken_frames, said_of, stale
 from pipeline.discrepancy.model import CorrectedModel, Hypothesis
 from pipeline.discrepancy.noise import NoiseModel
 from pipeline.discrepancy.notes import accuracy_note, notes, smooth_error
@@ -53,7 +53,6 @@ from pipeline.discrepancy.verdict import (
     structure_of,
 )
 from pipeline.discrepancy.zero import zero_at_end
-from pipeline.physics.catalogue import term
 from pipeline.physics.coupling import Coupling
 from pipeline.physics.mechanism import Mechanism
 from pipeline.recording import Recording
@@ -308,16 +307,16 @@ def named_physics(
         )
     mistaken = None if problem.motion.kinetics else mistaken_frames(explanation)
     if mistaken is not None and not structure.found:
-        physics = term("marker_outliers")
         all_rows = np.isfinite(evidence.measured) & evidence.heldout
-        out["marker_outliers"] = NamedPhysics(
-            name="marker_outliers",
+        name = "frame_lag" if stale(explanation) and "frame_lag" not in out else "marker_outliers"
+        out[name] = NamedPhysics(
+            name=name,
             site="sensor",
             probability=0.97,
             parameters=mistaken,
             heldout_rmse_without=root_mean(((evidence.measured - evidence.after) ** 2)[all_rows]),
             alternatives=(),
-            says=physics.sentence(np.array([e.value for e in mistaken]), problem.around),
+            says=said_of(name, mistaken, problem),
         )
     return tuple(out.values())
 
@@ -346,6 +345,6 @@ def verdict_of(
 
 
 def _standing_of(name: str, explanation: Explanation, best: Choice) -> Standing:
-    if name == "marker_outliers":
+    if name not in best.fit.names:
         return Standing(1.0, (), False)
     return standing(name, best, explanation.choices, explanation.problem)

@@ -18,6 +18,7 @@ SLOW = 0.87
 ENOUGH = 0.7
 UNFOLLOWED = 0.7
 FORM_ERROR = 0.05
+LOUD = 0.25
 
 
 @dataclass(frozen=True)
@@ -68,8 +69,25 @@ def structure_of(explanation: Explanation, choice: Choice) -> Structure:
     size = max((r.size for r in sure), default=0.0)
     if where is None and slow(explanation, choice):
         where, size, p_value = "slow changes", noise.correlated, min(p_value, CHANCE)
+    if where is None and explanation.problem.derivatives is None:
+        share, period = hum(choice)
+        if share > LOUD:
+            where = f"a hum in time, again and again every {period:.3g} samples"
+            size, p_value = float(np.sqrt(share)) * noise.deviation, min(p_value, CHANCE)
     share = min(size**2 / mismatch_variance(explanation), 1.0)
     return Structure(where is not None, where, share, p_value)
+
+
+def hum(choice: Choice) -> tuple[float, float]:
+    """The share of a choice's innovations that one frequency holds, and its period [samples].
+
+    Of independent ones, one of n/2 frequencies holds about 2 log(n) / n (Fisher, Proc. R. Soc. A
+    125 (1929) 54); noise that depends on the sample before takes a hum for its own.
+    """
+    power = np.abs(np.fft.rfft(choice.fit.innovations))[1:] ** 2
+    near = np.convolve(power, np.ones(3), mode="same")
+    best = int(np.argmax(near))
+    return float(near[best] / max(power.sum(), 1e-300)), len(choice.fit.innovations) / (best + 1.0)
 
 
 def slow(explanation: Explanation, choice: Choice) -> bool:

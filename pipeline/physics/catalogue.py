@@ -85,6 +85,7 @@ def richer(term: Term) -> tuple[Term, ...]:
             Friction("asymmetric"),
             Friction("bristle"),
             Friction("bristle asymmetric"),
+            Friction("driven"),
         ),
         ("friction", "capstan"): (CapstanFriction("capstan bristle"),),
         ("creep", "one"): (Creep("two"),),

@@ -4,7 +4,7 @@ import numpy as np
 
 from pipeline.physics.balance import Load
 from pipeline.physics.motion import Motion
-from pipeline.physics.pre_sliding import ELEMENTS, QUANTILES
+from pipeline.physics.pre_sliding import ELEMENTS, QUANTILES, dragging
 from pipeline.physics.term import Parameter, Surroundings, Term
 
 
@@ -16,6 +16,8 @@ class Friction(Term):
     spread = 0 is one elasto-plastic slider, spread = 1 comes close to Dahl's curve. Forms "bristle"
     and "bristle asymmetric" are one bristle instead (see `pre_sliding.py`): full loops of Dahl's,
     LuGre's at low speed or Bouc and Wen's model look like a bank's, but their small ones drift.
+    Form "driven" is a bristle that the drive bends, x = u - width / 2 z(u), as models of tendons in
+    sheaths have it; the drive then need not be let go before the joint turns.
     Sources: Iwan (1966); Al-Bender and Swevers, IEEE Control Systems 28(6) (2008) 64.
     """
 
@@ -29,14 +31,18 @@ class Friction(Term):
 
     def __init__(self, form: str = "symmetric") -> None:
         self.form = form
+        self.before_curve = form == "driven"
+        self.in_balance = not self.before_curve
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
         span, unit = around.angle_span, around.angle_unit
+        if self.before_curve:
+            span, unit = around.drive_span, around.drive_unit
         own = (
             Parameter("width", unit, 0.0, 0.9 * span, 0.05 * span, 0.05 * span),
             Parameter("reach", unit, 1e-3 * span, 1.0 * span, 0.05 * span, 0.05 * span),
             Parameter("release", "", 0.0, 1.0, 0.8, 0.0)
-            if "bristle" in self.form
+            if "bristle" in self.form or self.before_curve
             else Parameter("spread", "", 0.0, 1.0, 0.7, 0.3),
         )
         if "asymmetric" not in self.form:
@@ -57,11 +63,19 @@ class Friction(Term):
         slip[:, 2] = limit * (1.0 - asymmetry)
         return Load(slip=slip)
 
+    def respond(
+        self, signal: np.ndarray, motion: Motion, values: np.ndarray, state: np.ndarray | None
+    ) -> tuple[np.ndarray, np.ndarray]:
+        width, reach, release = values
+        share, state = dragging(signal, reach, release, state)
+        return signal - 0.5 * width * share, state
+
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
         tail = [0.0] if "asymmetric" in self.form else []
+        span = around.drive_span if self.before_curve else around.angle_span
         return np.array(
             [
-                [width * around.angle_span, reach * around.angle_span, 0.7, *tail]
+                [width * span, reach * span, 0.7, *tail]
                 for width in (0.01, 0.04, 0.15)
                 for reach in (0.01, 0.04, 0.15)
             ]

@@ -127,6 +127,19 @@ def test_a_zero_that_walks_is_no_slip_until_the_odds_are_twenty_to_one():
     assert result.diagnoses[0].verdict == "no_mismatch"
 
 
+def test_stale_frames_are_told_from_mistaken_ones():
+    recording = recorded({}, seed=18)
+    angle = recording.values(ANGLE)
+    late = np.random.default_rng(18).random(len(angle)) < 0.04
+    late[0] = False
+    (found,) = diagnosed(
+        changed(recording, **{ANGLE: np.where(late, np.roll(angle, 1), angle)})
+    ).diagnoses
+    (physics,) = found.physics
+    assert (physics.name, found.verdict) == ("frame_lag", "explained")
+    assert physics.parameters[0].low < late[1:].mean() < physics.parameters[0].high
+
+
 def test_structure_outside_the_catalogue_is_said_so():
     recording = recorded({}, seed=6)
     odd = np.where(recording.values("cycle") % 2 == 1, 1.0, -1.0)

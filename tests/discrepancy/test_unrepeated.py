@@ -61,6 +61,15 @@ def test_a_zero_that_wanders_far_is_drift_and_no_noise():
     assert "drift" in named(wandering)
 
 
+def test_a_hum_is_no_noise():
+    recording = moved(20.0 * WAVES, seed=6)
+    tip = recording.values("tip_deg") + 1.2 * np.sin(TIME_S)
+    humming = Recording(recording.samples.assign(tip_deg=tip), CHANNELS, "simulated")
+    (found,) = diagnose(DiagnosisConfig(), humming).diagnoses
+    assert found.verdict == "unknown_physics"
+    assert "every 12.6 samples" in found.unexplained.where
+
+
 def test_in_one_cycle_a_bend_takes_no_second_name():
     assert len(named(moved(ONCE, ("lens_distortion", [1e-4, 0.0]), seed=4))) == 1
 

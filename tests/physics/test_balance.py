@@ -156,6 +156,13 @@ def test_a_soft_stop_gives():
     assert out[-1] == pytest.approx(30.0 + 30.0 / 21.0, abs=0.05)
 
 
+def test_a_bristle_that_the_drive_bends_holds_back_by_dahls_curve():
+    motion = line(0.0, 10.0, 400)
+    out = answer(motion, Piece(Friction("driven"), np.array([3.0, 2.0, 1.0])))
+    expected = motion.drive - 1.5 * (1.0 - np.exp(-motion.drive / 2.0))
+    np.testing.assert_allclose(out, expected, atol=1e-9)
+
+
 @pytest.mark.parametrize("release", [0.0, 1.0])
 def test_a_bristle_follows_its_equation_where_the_wire_is_stiff(release):
     """f' = k (1 - f / limit) with the motion, k (1 + release |f| / limit) while it still helps."""
