@@ -19,6 +19,7 @@ from pipeline.physics.motion import Kinetics, Motion
 
 DECISIVE = 4.5
 ENOUGH_POWER = 0.95
+LONGER = 1.5
 HOPELESS = 0.3
 LEAST_PROBABILITY = 0.02
 MOST_RIVALS = 4
@@ -42,12 +43,16 @@ class Proposal:
 
 @dataclass(frozen=True)
 class Weighed:
-    """A block, its motion, and for each pair of rivals (p,): power, and how far apart (rms)."""
+    """A block, its motion, and for each pair of rivals (p,): distance D and how far apart (rms)."""
 
     block: Block
     motion: Motion
-    power: np.ndarray
+    distance: np.ndarray
     apart: np.ndarray
+
+    @property
+    def power(self) -> np.ndarray:
+        return np.array([power_of(float(distance)) for distance in self.distance])
 
     @property
     def minutes(self) -> float:
@@ -74,7 +79,7 @@ def next_experiment(evidence: Evidence, verdict: str) -> Proposal | None:
 def separate(
     evidence: Evidence, drive: "Drive", habit: Habit, rivals: Sequence[Hypothesis]
 ) -> Proposal:
-    """The shortest block that tells rivals (two or more) apart with 95 %, or the best one.
+    """The block that best tells rivals (two or more) apart, not much longer than has to be.
 
     Each is taken as true in turn; how far another one, all its parameters and the calibration
     refitted, stays from it in whitened units, D, gives the log likelihood ratio N(D^2 / 2, D^2),
@@ -210,8 +215,8 @@ def weigh(block: Block, drive: Drive, evidence: Evidence, rivals: Sequence[Hypot
         off = answers[i] - answers[j]
         ways = [separation(off, slopes[k], evidence.noise, motion) for k in (i, j)]
         found.append(min(ways))
-    power = np.array([power_of(distance) for distance, _ in found])
-    return Weighed(block, motion, power, np.array([rms for _, rms in found]))
+    distance, rms = np.array(found).T
+    return Weighed(block, motion, distance, rms)
 
 
 def separation(
@@ -258,11 +263,16 @@ def slopes_of(mechanism: Mechanism, motion: Motion) -> np.ndarray:
 
 
 def choice_of(weighed: Sequence[Weighed], pairs: np.ndarray) -> Weighed:
-    """The shortest that is powerful enough for the wanted pairs (mask), else the most powerful."""
+    """What tells the wanted pairs (mask) farthest apart in about the time of the shortest block.
+
+    A rival has other forms than the one that is weighed, and the real thing has none of them: what
+    just suffices on paper does not. The most powerful block where none is powerful enough.
+    """
     enough = [w for w in weighed if w.power[pairs].min() >= ENOUGH_POWER]
-    if enough:
-        return min(enough, key=lambda w: w.minutes)
-    return max(weighed, key=lambda w: (w.power[pairs].min(), w.apart[pairs].min()))
+    if not enough:
+        return max(weighed, key=lambda w: (w.power[pairs].min(), w.apart[pairs].min()))
+    longest = LONGER * min(w.minutes for w in enough)
+    return max((w for w in enough if w.minutes <= longest), key=lambda w: w.distance[pairs].min())
 
 
 def told_apart(rivals: Sequence[Hypothesis]) -> str:
