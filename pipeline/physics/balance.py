@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING, Protocol, cast
 import numpy as np
 
 from pipeline.physics.equilibrium import NEVER, balance
+from pipeline.physics.kinematics import Curve
 from pipeline.physics.motion import Motion
 
 if TYPE_CHECKING:
@@ -77,7 +78,7 @@ def settle(
     asked: np.ndarray,
     pieces: Sequence["Piece"],
     motion: Motion,
-    slope: float,
+    curve: Curve,
     state: np.ndarray | None,
     memory: Mapping[str, np.ndarray],
 ) -> tuple[np.ndarray, dict[str, np.ndarray]]:
@@ -99,12 +100,12 @@ def settle(
     )
     loose = stacked([load.loose for load in loads])
     if len(loose):
-        loose = loose * [slope, slope, 1.0, slope]
+        loose = loose * [curve.slope, curve.slope, 1.0, curve.slope]
     smooth = loads[0].smooth if len(loads) == 1 else np.sum([load.smooth for load in loads], axis=0)
     pushed = np.zeros(len(asked))
     for load in loads:
         if load.pushed is not None:
-            pushed += load.pushed
+            pushed += curve(motion.drive + load.pushed / curve.slope) - curve(motion.drive)
     carried = np.zeros(4 + len(slip) + len(bristle) + len(arm)) if state is None else state.copy()
     drag, dwell = sum(load.drag for load in loads), pushed
     if len(arm) or drag > 0.0:

@@ -16,7 +16,8 @@ class Coupling(Term):
     Form "channel": gain v + bend v^2. Form "channel/play": drag (v - P(v)) besides, P being the
     play operator of `width`: what the other wire drags along until it slips. drag = -gain is a
     coupling through a wire that has play itself, gain = 0 a coupling by that wire's friction alone.
-    In the balance, so that friction, slack and contact answer to it; a free joint moves by as much.
+    In the balance, so that friction, slack and contact answer to it; a free joint moves by as much,
+    times the slope of its curve there over the mean one: the wires are pulled.
     Source: wires of one joint that run through another, first two terms of the power series; play
     operator as in `backlash.py`, v - P(v) is its stop operator (Brokate and Sprekels, Hysteresis
     and Phase Transitions (1996), section 2.3).

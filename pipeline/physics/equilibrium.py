@@ -288,9 +288,9 @@ def balance(  # type: ignore[no-untyped-def]
     eased, relaxed, firmer, waited, held_back = -1.0, -1.0, -1.0, -1.0, 0.0
     for t in range(q.size):
         free, load = _pulled(softest, pushed[t], far, arm)
-        now, wait = q[t] + pushed[t], dwell[t]
+        now, wait, left = q[t] + pushed[t], dwell[t], 0.0
         at, asked, last = theta + (now - asked) * tangent[2], now, theta
-        before, began, left, whole = bank, firm, wait, True
+        before, began, whole = bank, firm, True
         while True:
             stiff, pull, start = free, load, theta
             if drag > 0.0:
@@ -308,11 +308,13 @@ def balance(  # type: ignore[no-untyped-def]
                     if bank[0] != before[0]:
                         _turn(bank[0], last, ends, slip)
                     at, theta, bank, firm = last, last, before, began
-                    whole, wait = False, FIRST_PART * left
+                    whole, left, wait = False, wait, FIRST_PART * wait
                     continue
             _bend(theta - start, bristle, bent)
+            if whole:
+                break
             left -= wait
-            if left <= 0.0 or drag <= 0.0:
+            if left <= 0.0:
                 break
             at, wait = theta, min(GROWTH * wait, left)
         if arms > 0:

@@ -119,9 +119,7 @@ class Mechanism:
     ) -> Trace:
         body, balanced = asked, [p for p in pieces if p.term.in_balance]
         if balanced:
-            body, states = settle(
-                asked, balanced, motion, self.curve.slope, before.get(BALANCE), before
-            )
+            body, states = settle(asked, balanced, motion, self.curve, before.get(BALANCE), before)
             after |= states
         return self._sensed(asked, body, pieces, motion, before, after)
 

@@ -7,8 +7,9 @@ from pipeline.physics.term import NO_STATE, Parameter, Surroundings, Term
 
 
 class TransmissionRipple(Term):
-    """x = u + a sin(2 pi u / period + phase), in the form "second" with its second harmonic too.
+    """x = u + a (sin(2 pi u / period + phase) - sin(phase)): the error counts from drive 0.
 
+    In the form "second" with its second harmonic too.
     A period that the drive does not run through at least once and a third is no ripple to be seen.
     Source: kinematic transmission error, e.g. Tuttle and Seering, IEEE Trans. Robotics and
     Automation 12(3) (1996) 368.
@@ -43,9 +44,9 @@ class TransmissionRipple(Term):
         self, signal: np.ndarray, motion: Motion, values: np.ndarray, state: np.ndarray | None
     ) -> tuple[np.ndarray, np.ndarray]:
         angle = 2.0 * np.pi / values[1] * signal
-        out = signal + values[0] * np.sin(angle + values[2])
+        out = signal + values[0] * (np.sin(angle + values[2]) - np.sin(values[2]))
         if len(values) > 3:
-            out += values[3] * np.sin(2.0 * angle + values[4])
+            out += values[3] * (np.sin(2.0 * angle + values[4]) - np.sin(values[4]))
         return out, NO_STATE
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:

@@ -6,6 +6,7 @@ import pytest
 from pipeline.physics.backlash import Backlash
 from pipeline.physics.compliance import Compliance
 from pipeline.physics.contact import Contact
+from pipeline.physics.coupling import Coupling
 from pipeline.physics.creep import Creep
 from pipeline.physics.end_stop import EndStop
 from pipeline.physics.friction import Friction
@@ -15,6 +16,7 @@ from pipeline.physics.mechanism import Mechanism, Piece
 from pipeline.physics.motion import Motion
 from pipeline.physics.response_lag import ResponseLag
 from pipeline.physics.slack import Slack
+from pipeline.physics.transmission_ripple import TransmissionRipple
 from tests.physics.test_terms import triangle
 
 
@@ -186,3 +188,19 @@ def test_a_bristle_goes_on_where_it_was():
     first, state = Mechanism(pieces=(piece,)).respond(motion.rows(slice(0, 130)))
     second = Mechanism(pieces=(piece,)).respond(motion.rows(slice(130, None)), state)[0]
     np.testing.assert_allclose(np.concatenate([first, second]), whole, atol=1e-6)
+
+
+def test_another_axis_pulls_the_wires_of_a_curved_joint():
+    motion, curve = triangle(1), CubicCurve(0.7, 2e-5)
+    motion = Motion(motion.drive, motion.time_s, motion.cycle, {"yaw": np.sin(motion.time_s)})
+    pulled = Mechanism(curve, (Piece(Coupling("yaw"), np.array([1.4, 0.0])),)).respond(motion)[0]
+    expected = curve(motion.drive + 2.0 * motion.others["yaw"])
+    np.testing.assert_allclose(pulled, expected, atol=1e-5)
+
+
+def test_a_ripple_counts_from_where_the_drive_is_zero():
+    motion = line(-30.0, 30.0, 61)
+    first = answer(motion, Piece(TransmissionRipple(), np.array([2.0, 13.0, 1.1])))
+    second = answer(motion, Piece(TransmissionRipple("second"), np.array([2.0, 13, 1.1, 0.4, 2.0])))
+    assert first[30] == pytest.approx(0.0, abs=1e-12)
+    assert second[30] == pytest.approx(0.0, abs=1e-12)
