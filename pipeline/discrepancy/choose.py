@@ -22,6 +22,7 @@ from pipeline.physics.catalogue import richer
 from pipeline.physics.coupling import Coupling
 from pipeline.physics.lost_steps import JUMP_2
 from pipeline.physics.mechanism import Piece
+from pipeline.physics.response_lag import ResponseLag
 from pipeline.physics.term import Term
 
 BEAM = 3
@@ -275,6 +276,22 @@ def grown(search: Search, choice: Choice) -> Choice:
     return choice
 
 
+def merged(search: Search, choice: Choice) -> Choice:
+    """The choice with a creep beside a lag replaced by one lag of second order, if that is better.
+
+    Both together can follow what is one lag of another form; neither swap alone leads there.
+    """
+    pieces = choice.fit.pieces
+    late = [p for p in pieces if p.term.group == "lag"]
+    rest = [p for p in pieces if p.term.name != "creep"]
+    if not late or len(rest) == len(pieces):
+        return choice
+    fit = evaluate(choice.fit.ground, rest)
+    place = next(k for k, p in enumerate(rest) if p is late[0])
+    trial = search.weighed(_reformed(fit, place, ResponseLag("second")), choice.place)
+    return trial if trial.score < choice.score else choice
+
+
 def _reformed(fit: Fit, place: int, term: Term) -> Fit:
     """The fit with another form of a term, begun from the values that both have."""
     old = fit.pieces[place]
@@ -314,7 +331,7 @@ def polished(search: Search, choices: list[Choice]) -> list[Choice]:
     tried: set[Key] = set()
     for _ in range(3):
         best = min(found.values(), key=lambda c: c.score)
-        richest = grown(search, best)
+        richest = merged(search, grown(search, best))
         if richest is not best:
             found[richest.fit.key] = best = richest
         for piece in best.fit.pieces:

@@ -13,34 +13,42 @@ DENSE = 200
 
 
 @njit(cache=True)
-def swung(
-    signal: np.ndarray, dwell: np.ndarray, frequency: float, damping: float, state: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """x'' + 2 z w x' + w^2 (x - u) = 0, u held through each dwell; the answer and (x, x').
+def swung(signal, dwell, frequency, damping, moving, before, state):  # type: ignore[no-untyped-def]
+    """x'' + 2 z w x' + w^2 (x - u) = 0; the answer (n,) and the last (x, x').
 
-    Exact: with r^2 = z^2 - 1 the error e = x - u obeys e(t) = a(t) e0 + b(t) e0', a and b being
-    exponentials times hyperbolic (r^2 > 0) or circular functions.
+    Over the first `moving` of each dwell (n,) [s] the command u runs straight from the one before
+    (`before` the first), then it is held. Exact: with r^2 = z^2 - 1 the error e = x - u, or x - u +
+    2 z / w u' while it runs, obeys e(t) = a(t) e0 + b(t) e0', a and b being exponentials times
+    hyperbolic (r^2 > 0) or circular functions.
     """
     out = np.empty(signal.size)
     x, v = state[0], state[1]
     decay, square = damping * frequency, frequency * frequency * (damping * damping - 1.0)
     root = np.sqrt(abs(square))
     for i in range(signal.size):
-        e, t = x - signal[i], dwell[i]
-        if root * t < NEARLY_CRITICAL:
-            fade = np.exp(-decay * t)
-            c, s = fade, fade * t
-        elif square > 0.0:
-            slow, fast = np.exp((root - decay) * t), np.exp(-(root + decay) * t)
-            c, s = 0.5 * (slow + fast), 0.5 * (slow - fast) / root
-        else:
-            fade = np.exp(-decay * t)
-            c, s = fade * np.cos(root * t), fade * np.sin(root * t) / root
-        push = v + decay * e
-        x = signal[i] + c * e + s * push
-        v = c * v - s * (decay * v + frequency * frequency * e)
+        runs = min(moving * dwell[i], dwell[i])
+        for part in range(2):
+            t = runs if part == 0 else dwell[i] - runs
+            if t <= 0.0:
+                continue
+            speed = (signal[i] - before) / runs if part == 0 else 0.0
+            trail = 2.0 * damping / frequency * speed
+            e, u = x - (before if part == 0 else signal[i]) + trail, v - speed
+            if root * t < NEARLY_CRITICAL:
+                fade = np.exp(-decay * t)
+                c, s = fade, fade * t
+            elif square > 0.0:
+                slow, fast = np.exp((root - decay) * t), np.exp(-(root + decay) * t)
+                c, s = 0.5 * (slow + fast), 0.5 * (slow - fast) / root
+            else:
+                fade = np.exp(-decay * t)
+                c, s = fade * np.cos(root * t), fade * np.sin(root * t) / root
+            push = u + decay * e
+            x = signal[i] - trail + c * e + s * push
+            v = c * u - s * (decay * u + frequency * frequency * e) + speed
+        before = signal[i]
         out[i] = x
-    return out, np.array([x, v])
+    return out, np.array([x, v, before])
 
 
 def usual_lag_s(around: Surroundings) -> float:
@@ -53,9 +61,9 @@ class ResponseLag(Term):
 
     A viscous drag in the balance (see `balance.py`): beside other loads the lag depends on them,
     longer where the wires hang slack, shorter against a stop. Form "second", after the balance:
-    x'' = w^2 (u - x) - 2 damping w x', w being `natural_frequency`, exact for held commands,
-    however unevenly sampled. Source: first-order lag; Kelvin and Voigt's spring with a dashpot
-    beside it; linear system of second order.
+    x'' = w^2 (u - x) - 2 damping w x', w being `natural_frequency`; over the share `moving` of each
+    dwell the command runs to its next value. Exact, however unevenly sampled. Source: first-order
+    lag; Kelvin and Voigt's spring with a dashpot beside it; linear system of second order.
     """
 
     name = "response_lag"
@@ -80,6 +88,7 @@ class ResponseLag(Term):
             return (
                 Parameter("natural_frequency", "rad/s", low, high, 1.0 / usual, 0.0),
                 Parameter("damping", "", 0.02, 5.0, 0.7, 0.5),
+                Parameter("moving", "", 0.0, 1.0, 0.0, 0.5),
             )
         return (Parameter("time_constant", "s", 0.0, longest, usual, usual),)
 
@@ -90,9 +99,10 @@ class ResponseLag(Term):
         self, signal: np.ndarray, motion: Motion, values: np.ndarray, state: np.ndarray | None
     ) -> tuple[np.ndarray, np.ndarray]:
         if state is None:
-            state = np.array([motion.time_s[0], signal[0], 0.0])
+            state = np.array([motion.time_s[0], signal[0], 0.0, signal[0]])
         dwell, asked = dwells(motion, float(state[0])), np.ascontiguousarray(signal)
-        out, last = swung(asked, dwell, float(values[0]), float(values[1]), state[1:])
+        frequency, damping, moving = (float(value) for value in values)
+        out, last = swung(asked, dwell, frequency, damping, moving, float(state[3]), state[1:3])
         return out, np.concatenate([motion.time_s[-1:], last])
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
@@ -100,7 +110,14 @@ class ResponseLag(Term):
         lags = {k * unit for k in (0.3, 0.7, 1.5, 4.0) for unit in (dwell, usual)}
         if self.form == "second":
             paces = {k / unit for k in (0.15, 0.5, 1.5) for unit in (dwell, usual)}
-            return np.array([[p, damping] for p in sorted(paces) for damping in (0.2, 0.6, 1.2)])
+            return np.array(
+                [
+                    [p, damping, m]
+                    for p in sorted(paces)
+                    for damping in (0.2, 0.6, 1.2)
+                    for m in (0.0, 1.0)
+                ]
+            )
         return np.array(sorted(lags))[:, None]
 
     def scaled(self, values: np.ndarray, factor: float) -> np.ndarray:

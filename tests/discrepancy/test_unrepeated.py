@@ -49,7 +49,7 @@ def test_a_slip_is_named_however_late_it_is():
 
 
 def test_a_lag_that_swings_is_found_where_a_plain_delay_comes_near_it():
-    assert named(moved(20.0 * WAVES, ("response_lag/second", [0.9, 0.5]), seed=2)) == {
+    assert named(moved(20.0 * WAVES, ("response_lag/second", [0.9, 0.5, 0.6]), seed=2)) == {
         "response_lag"
     }
 
