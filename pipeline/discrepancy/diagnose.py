@@ -60,7 +60,7 @@ from pipeline.recording import Recording
 RIVALS = 6
 RIVAL_GAP = 14.0
 SUREST = 0.98
-CHANCE = 0.05
+ODDS = 5.0
 
 
 def diagnose_measurement(
@@ -136,14 +136,14 @@ def decided(problem: Problem, explanation: Explanation) -> tuple[Choice, Structu
 def sure_of_slow(explanation: Explanation, best: Choice) -> Choice:
     """The best choice, without its drift and slips where they may be noise that wanders.
 
-    Where cycles repeat, such a zero is nothing to be named: the odds against it must be 20 to 1.
+    Where cycles repeat, such a zero is nothing to be named: the odds against it must be 5 to 1.
     """
     quiet = {n for n in best.fit.names if n not in SLOW}
     if explanation.prior.repeats == 0 or len(quiet) == len(names(best)):
         return best
     rivals = [c for c in explanation.choices if names(c) == quiet and wanders(c.place)]
     rival = min(rivals, key=lambda c: c.score, default=best)
-    return rival if rival.score < best.score - 2.0 * np.log(CHANCE) else best
+    return rival if rival.score < best.score + 2.0 * np.log(ODDS) else best
 
 
 def calibration_of(problem: Problem, choice: Choice) -> Calibration:

@@ -16,6 +16,7 @@ CHANCE = 1e-5
 SMALLEST_SIZE = 0.2
 SLOW = 0.87
 ENOUGH = 0.7
+MOST_LEFT = 0.1
 UNFOLLOWED = 0.7
 FORM_ERROR = 0.05
 LOUD = 0.25
@@ -125,7 +126,8 @@ def fewer(explanation: Explanation, choice: Choice) -> Choice:
 
     Where that rest is less than a twentieth of the mismatch (RMS), all names stay that explain more
     than they leave together: then it is the form of a term. Else the best single term stays if it
-    alone explains most of the mismatch; otherwise none does.
+    alone explains most of the mismatch, and nine tenths of its structure, which the noise that was
+    learnt from repeats may hide; otherwise none does.
     """
     if not choice.fit.pieces:
         return choice
@@ -138,7 +140,8 @@ def fewer(explanation: Explanation, choice: Choice) -> Choice:
         return weightier(explanation, choice)
     single = min(singles(explanation, choice), key=lambda c: c.score)
     left = mean_square(explanation, single) - noise
-    return single if left < (1.0 - ENOUGH) * before else base
+    enough = left < (1.0 - ENOUGH) * before
+    return single if enough and rest_of(single, explanation) ** 2 < MOST_LEFT * before else base
 
 
 def rest_of(choice: Choice, explanation: Explanation) -> float:
