@@ -1,7 +1,7 @@
 """Choosing terms: a beam over sets, every parameter refitted, polished by deletion and swap."""
 
 from collections.abc import Container, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -31,11 +31,13 @@ MOST_TERMS = 4
 TERM_COST = 8.0
 LEAST_GAIN = 6.0
 AT_BOUND = 1.0
+SAME = 1.0
 VOID = 40.0
 SECOND_SIDE = 1.0
 WORTH = 150.0
 EARLIER = 6
 LAGGARD, CLEAR = 0.3, 60.0
+FAINT, BEHIND = 15.0, 0.5
 
 ABSURD = 2.0
 
@@ -58,11 +60,15 @@ class Choice:
 
 @dataclass(frozen=True)
 class Search:
-    """What a search needs: the terms that the recording can show and the noises to choose from."""
+    """What a search needs: the terms that the recording can show and the noises to choose from.
+
+    plain: scores of choices for which a richer set of forms was tried in vain.
+    """
 
     terms: tuple[Term, ...]
     effects: Effects
     family: NoiseFamily
+    plain: dict[Key, float] = field(default_factory=dict)
 
     def weighed(self, fit: Fit, place: Place, iterations: int = 4) -> Choice:
         """A fit under the noise that suits its own residual, refitted there, and its score.
@@ -85,16 +91,24 @@ class Search:
         ground = fit.ground.with_noise(noise)
         return improve(calibrated(ground, fit.pieces, fit.trace), iterations), still
 
+    def hoped(self, fit: Fit, place: Place) -> float:
+        """About the score that a fit will have, before it has its own noise."""
+        return min(self.scored(fit, p) for p in {place, (place[0], 0, 0)})
+
+    def scored(self, fit: Fit, place: Place) -> float:
+        """The score of a fit's residual under the noise of a place."""
+        ground = fit.ground
+        residual = np.where(ground.used, ground.problem.measured - fit.predicted, 0.0)
+        own = fit.cost - 2.0 * ground.log_scale - float(fit.innovations @ fit.innovations)
+        return self.family.weigh(place, residual)[0] + own + complexity(fit)
+
     def _weighed_from(self, fit: Fit, place: Place, iterations: int) -> Choice:
         residual = fit.ground.problem.measured - fit.predicted
         noise, place = self.family.pick(residual, place)
         ground = fit.ground.with_noise(noise)
         fit = improve(calibrated(ground, fit.pieces, fit.trace), iterations)
-        residual = np.where(ground.used, ground.problem.measured - fit.predicted, 0.0)
-        cost = self.family.weigh(place, residual)[0]
-        own = fit.cost - 2.0 * ground.log_scale - float(fit.innovations @ fit.innovations)
-        score = cost + own + complexity(fit)
-        return Choice(fit, place, score + (VOID if self.hides_drift(fit, place) else 0.0))
+        hidden = VOID if self.hides_drift(fit, place) else 0.0
+        return Choice(fit, place, self.scored(fit, place) + hidden)
 
     def hides_drift(self, fit: Fit, place: Place) -> bool:
         """Whether noise that walks takes what the catalogue calls a drift, where nothing repeats.
@@ -209,8 +223,8 @@ def extended(
 ) -> list[Choice]:
     """The parent with each of the most promising further terms; sets in `skip` are left out.
 
-    So are terms that after three steps have gained less than any term is charged. begun: fits of
-    the parent's terms to begin from as well, under the parent's noise.
+    begun: fits of the parent's terms to begin from as well, under the parent's noise. Where that
+    wanders, slow terms are also looked for beside noise that does not.
     """
     terms = [
         t
@@ -219,24 +233,58 @@ def extended(
     ]
     found: dict[Key, Fit] = {}
     for start in (parent.fit, *begun):
-        for few in by_term(screen(start, search.effects, terms))[:branches]:
-            trial = improve(started(start, few), 3)
+        for few in hopeful(by_term(screen(start, search.effects, terms))[:branches]):
+            trial = improve(started(start, few), 3, start)
             if trial.key not in found or trial.cost < found[trial.key].cost:
                 found[trial.key] = trial
-    trials = sorted(found.values(), key=lambda t: t.cost)[: max(branches - 3, 3)]
-    trials = [t for t in trials if parent.fit.cost - t.cost > TERM_COST]
     slow = [t for t in terms if t.name in SLOW]
+    late: list[Fit] = []
     if wanders(parent.place) and slow:
         still = search.stilled(parent.fit, parent.place, 4)[0]
-        for few in by_term(screen(still, search.effects, slow)):
-            trials.append(improve(started(still, few), 3))
+        late = [
+            improve(started(still, few), 3, still)
+            for few in by_term(screen(still, search.effects, slow))
+        ]
+    trials = worthwhile(search, parent, list(found.values()), late, max(branches - 3, 3))
     fits = [settle_moments(improve(trial, 8)) for trial in trials]
     return [search.weighed(fit, parent.place) for fit in fits]
+
+
+def worthwhile(
+    search: Search, parent: Choice, trials: Sequence[Fit], slow: Sequence[Fit], most: int
+) -> list[Fit]:
+    """The best few trials, and the best of each slow name, that may still become the best.
+
+    After three steps a trial is out that is further behind its parent than the least charge for a
+    term, or has gained less than half as much as the best one that gained clearly. The slow ones
+    were begun under another noise: they may be as far behind as they are.
+    """
+    hopes = {id(t): parent.score - search.hoped(t, parent.place) for t in (*trials, *slow)}
+
+    def hope(trial: Fit) -> float:
+        return hopes[id(trial)]
+
+    few = [t for t in sorted(trials, key=hope, reverse=True)[:most] if hope(t) > -FAINT]
+    own: dict[str, Fit] = {}
+    for trial in sorted(slow, key=hope, reverse=True):
+        own.setdefault(trial.names[-1], trial)
+    best: dict[Key, Fit] = {}
+    for trial in sorted((*few, *own.values()), key=hope, reverse=True):
+        best.setdefault(trial.key, trial)
+    most_hoped = max(hopes.values(), default=0.0)
+    return [t for t in best.values() if most_hoped < CLEAR or hope(t) > BEHIND * most_hoped]
 
 
 def wanders(place: Place) -> bool:
     """Whether a noise jitters or walks, and so may take over what a slow term should explain."""
     return place[1] > 0 or place[2] > 0
+
+
+def hopeful(groups: Sequence[list[Lead]]) -> list[list[Lead]]:
+    """Those (best first) that promise what a term is charged, and not much less than the best."""
+    most = groups[0][0].gain if groups else 0.0
+    least = max(TERM_COST, LAGGARD * most if most > CLEAR else 0.0)
+    return [few for few in groups if few[0].gain > least]
 
 
 def by_term(leads: Sequence[Lead]) -> list[list[Lead]]:
@@ -270,9 +318,14 @@ def grown(search: Search, choice: Choice) -> Choice:
     """The choice with each term in the richer form that its score prefers, if any."""
     for i, piece in enumerate(choice.fit.pieces):
         for term in richer(piece.term):
+            key = choice.fit.key - {(piece.term.name, piece.term.form)} | {(term.name, term.form)}
+            if abs(search.plain.get(key, np.inf) - choice.score) < SAME:
+                continue
             trial = search.weighed(_reformed(choice.fit, i, term), choice.place)
             if trial.score < choice.score:
                 choice = trial
+            else:
+                search.plain[key] = choice.score
     return choice
 
 

@@ -14,7 +14,8 @@ from pipeline.physics.term import Parameter, Term
 
 ITERATIONS = 12
 DAMPINGS = 6
-TOLERANCE = 0.02
+TOLERANCE = 0.1
+TRUSTED = 0.5
 PRIOR_WIDTH = 10.0
 SHARE_OF_VALUE = 0.02
 
@@ -222,8 +223,8 @@ def prior_mean(parameter: Parameter) -> float:
     return 0.0 if parameter.low <= 0.0 <= parameter.high else parameter.start
 
 
-def jacobian(fit: Fit) -> np.ndarray:
-    """Derivatives of the prediction by every term parameter, (n, free).
+def jacobian(fit: Fit, first: int = 0) -> np.ndarray:
+    """Derivatives of the prediction by every parameter of the terms from `first` on, (n, free).
 
     A parameter that does not move the prediction (a moment between two samples) gives zeros. Fits
     of the same values under other noise share the traces behind it.
@@ -231,8 +232,8 @@ def jacobian(fit: Fit) -> np.ndarray:
     ground = fit.ground
     predicted, beside = fit.predicted, fit.trace.beside
     columns = np.zeros((fit.free, len(fit.trace.seen)))
-    k = 0
-    for i, piece in enumerate(fit.pieces):
+    k = begin = sum(len(piece.values) for piece in fit.pieces[:first])
+    for i, piece in enumerate(fit.pieces[first:], first):
         for j, p in enumerate(parameters_of(ground, piece.term)):
             step = difference_step(p, piece.values[j])
             if step != 0.0:
@@ -244,7 +245,7 @@ def jacobian(fit: Fit) -> np.ndarray:
                 moved = ground.answer(beside[k], fit.nuisance)
                 columns[k] = (moved - predicted) / step
             k += 1
-    return columns.T
+    return columns[begin:].T
 
 
 def difference_step(p: Parameter, value: float) -> float:
@@ -257,11 +258,13 @@ def difference_step(p: Parameter, value: float) -> float:
     return -size if value + size > p.high else size
 
 
-def improve(fit: Fit, iterations: int = ITERATIONS) -> Fit:
-    """Levenberg-Marquardt from a fit, within the bounds, until the cost stands still.
+def improve(fit: Fit, iterations: int = ITERATIONS, begun: Fit | None = None) -> Fit:
+    """Levenberg-Marquardt from a fit, within the bounds, until a step promises nothing.
 
-    Every other step goes by slopes that are corrected by what the step before it did (Broyden,
-    Math. Comp. 19 (1965) 577), in place of differences for every parameter.
+    As long as a step gains about what its slopes foretold, they are corrected by what it did
+    (Broyden, Math. Comp. 19 (1965) 577), in place of differences for every parameter. begun: a fit
+    of the same terms but the last, whose slopes serve for a first step where the last one has made
+    it better already; where it has not, the terms move each other far.
     """
     if not fit.pieces:
         return fit
@@ -271,42 +274,54 @@ def improve(fit: Fit, iterations: int = ITERATIONS) -> Fit:
         for n in ("low", "high", "centre", "precision")
     )
     damping, slopes = 1e-2, None
+    if begun is not None and fit.cost < begun.cost:
+        last = fit.ground.whiten(jacobian(fit, len(fit.pieces) - 1))
+        slopes = _beside_nuisances(fit, np.hstack([begun.slopes, last]))
     for _ in range(iterations):
         known = slopes is None
-        slopes = _beside_nuisances(fit) if slopes is None else slopes
+        slopes = _beside_nuisances(fit, fit.slopes) if slopes is None else slopes
         values = np.concatenate([p.values for p in fit.pieces])
         gradient = slopes.T @ fit.innovations - precision * (values - centre)
         normal = slopes.T @ slopes + np.diag(precision)
         stuck = ((values <= low) & (gradient < 0.0)) | ((values >= high) & (gradient > 0.0))
         stuck |= np.diag(normal) <= 1e-12
-        better, damping = _stepped(fit, normal, gradient, ~stuck, low, high, damping)
-        gained = 0.0 if better is None else fit.cost - better.cost
+        better, foretold, damping = _stepped(fit, normal, gradient, ~stuck, low, high, damping)
+        if better is None:
+            if known:
+                return fit
+            slopes, damping = None, 1e-2
+            continue
+        gained = fit.cost - better.cost
         if known and gained < TOLERANCE:
-            return better or fit
-        if known and better is not None:
-            slopes = _corrected(slopes, fit, better, np.sqrt(np.diag(normal)))
-        else:
-            slopes = None
-        fit, damping = better or fit, 1e-2 if better is None else damping / 6.0
+            return better
+        trusted = gained > TRUSTED * foretold
+        slopes = _corrected(slopes, fit, better, np.sqrt(np.diag(normal))) if trusted else None
+        fit, damping = better, damping / 6.0
     return fit
 
 
 def _stepped(
     fit: Fit, normal: np.ndarray, gradient: np.ndarray, free: np.ndarray,
     low: np.ndarray, high: np.ndarray, damping: float,
-) -> tuple[Fit | None, float]:  # fmt: skip
-    """A better fit one step on, damped as much as that takes, and the damping; None if none is."""
-    if not free.any():
-        return None, damping
+) -> tuple[Fit | None, float, float]:  # fmt: skip
+    """A better fit one step on, damped as much as that takes; None if no step promises one.
+
+    With the gain that the step's slopes foretold, and the damping.
+    """
     values = np.concatenate([p.values for p in fit.pieces])
     step, a = np.zeros(len(values)), normal[np.ix_(free, free)]
-    for _ in range(DAMPINGS):
+    for _ in range(DAMPINGS if free.any() else 0):
         step[free] = np.linalg.solve(a + damping * np.diag(np.diag(a)), gradient[free])
-        trial = evaluate(fit.ground, _with_values(fit.pieces, np.clip(values + step, low, high)))
+        moved = np.clip(values + step, low, high)
+        real = moved - values
+        foretold = float(2.0 * gradient @ real - real @ normal @ real)
+        if foretold < TOLERANCE:
+            break
+        trial = evaluate(fit.ground, _with_values(fit.pieces, moved))
         if trial.cost < fit.cost:
-            return trial, damping
+            return trial, foretold, damping
         damping *= 8.0
-    return None, damping
+    return None, 0.0, damping
 
 
 def _corrected(slopes: np.ndarray, fit: Fit, better: Fit, sizes: np.ndarray) -> np.ndarray:
@@ -321,11 +336,11 @@ def _corrected(slopes: np.ndarray, fit: Fit, better: Fit, sizes: np.ndarray) -> 
     return np.asarray(slopes + np.outer(missed, sizes**2 * step / length))
 
 
-def _beside_nuisances(fit: Fit) -> np.ndarray:
-    """Slopes less what gain, offset and bends take over of them, (count, free)."""
+def _beside_nuisances(fit: Fit, slopes: np.ndarray) -> np.ndarray:
+    """Slopes (count, free) less what gain, offset and bends take over of them."""
     columns = fit.calibrating
     normal = columns.T @ columns + np.diag(fit.ground.precision)
-    return fit.slopes - columns @ np.linalg.solve(normal, columns.T @ fit.slopes)
+    return np.asarray(slopes - columns @ np.linalg.solve(normal, columns.T @ slopes))
 
 
 def _with_values(pieces: Sequence[Piece], values: np.ndarray) -> tuple[Piece, ...]:

@@ -7,13 +7,16 @@ import numpy as np
 
 from pipeline.discrepancy.fit import Fit, calibrated, parameters_of, respond_beside
 from pipeline.discrepancy.problem import Problem
+from pipeline.discrepancy.serial import orthonormal, without
 from pipeline.physics.mechanism import Piece
 from pipeline.physics.term import Term
+from pipeline.recording import branch_of
 
 SCALES = (0.01, 8.0)
 PROMISING = 4
 LATE = ("frame_lag", "response_lag", "backlash", "tension_loss", "friction", "creep")
 PHASED = ("transmission_ripple",)
+PERIOD = 1
 
 
 @dataclass(frozen=True)
@@ -42,25 +45,49 @@ class Effects:
     ) -> list[tuple[Term, np.ndarray]]:
         """The candidates of each term whose nominal effect suits a fit's residual best.
 
-        Where the fit answers late, nominal effects have the wrong phase on either way: all
-        candidates that have one are kept.
+        Where the fit answers late, nominal effects have the wrong phase on either way: of what has
+        one, those are kept whose period suits best in any phase.
         """
         allowed = {(t.name, t.form) for t in terms}
         wanted = [k for k, (t, _) in enumerate(self.places) if (t.name, t.form) in allowed]
-        columns = self.columns
-        if len(wanted) < len(self.places):
-            columns = columns[:, wanted]
-        gains = gains_of(fit, self.sized[wanted], columns, float(fit.nuisance[0]))[0]
+        if not wanted:
+            return []
+        first = wanted[0]
+        span = slice(first, wanted[-1] + 1)
+        gains = gains_of(fit, self.sized[span], self.columns[:, span], float(fit.nuisance[0]))[0]
+        gains = gains[np.array(wanted) - first]
         own: dict[tuple[str, str], list[tuple[float, int]]] = {}
         for k, gain in zip(wanted, gains, strict=True):
             term = self.places[k][0]
             own.setdefault((term.name, term.form), []).append((-gain, k))
         late = any(p.term.name in LATE for p in fit.pieces)
-        return [
-            self.places[k]
-            for (name, _), few in own.items()
-            for _, k in sorted(few)[: None if late and name in PHASED else most]
-        ]
+        out = []
+        for (name, _), few in own.items():
+            ranked = [k for _, k in sorted(few)[:most]]
+            if late and name in PHASED:
+                ranked = self.in_any_phase(fit, [k for _, k in few], most)
+            out += [self.places[k] for k in ranked]
+        return out
+
+    def in_any_phase(self, fit: Fit, wanted: Sequence[int], most: int) -> list[int]:
+        """Of some candidates of one term those of the `most` periods that gain most, each way.
+
+        A late answer to a wave is that wave in another phase on either way of the drive.
+        """
+        periods = {k: float(self.places[k][1][PERIOD]) for k in wanted}
+        alike = [[k for k in wanted if periods[k] == p] for p in dict.fromkeys(periods.values())]
+        up = branch_of(fit.ground.problem.motion.drive)[:, None] > 0
+        columns = self.columns[:, [k for few in alike for k in few[::2]]]
+        both = fit.ground.whiten(
+            np.stack([columns * up, columns * ~up], axis=2).reshape(len(up), -1)
+        )
+        both = without(both, fit.basis)
+        gains, end = [], 0
+        for few in alike:
+            begin, end = end, end + 2 * len(few[::2])
+            along = fit.innovations @ orthonormal(both[:, begin:end])
+            gains.append(float(along @ along))
+        return [k for g in np.argsort(gains)[::-1][:most] for k in alike[g]]
 
 
 def effects_of(problem: Problem, terms: Sequence[Term]) -> Effects:
@@ -103,9 +130,9 @@ def gains_of(
     ground = fit.ground
     d = ground.whiten(columns)
     basis = fit.basis
-    d -= basis @ (basis.T @ d)
-    size = scale**2 * np.einsum("ij,ij->j", d, d)
-    along = scale * (fit.innovations @ d)
+    taken = basis.T @ d
+    size = scale**2 * (np.einsum("ij,ij->j", d, d) - np.einsum("ij,ij->j", taken, taken))
+    along = scale * (fit.innovations @ d - (fit.innovations @ basis) @ taken)
     moves = size > 1e-9
     coefficient = along / np.where(moves, size, 1.0)
     followed = np.where(coefficient > 0.0, 1.0, -1.0) * np.clip(np.abs(coefficient), *SCALES)

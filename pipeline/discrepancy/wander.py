@@ -7,7 +7,7 @@ from scipy.optimize import minimize
 
 from pipeline.discrepancy.noise import NoiseModel
 
-EVALUATIONS = 250
+FINE_ENOUGH = {"maxfev": 250, "xatol": 0.02, "fatol": 0.02}
 FAR = 8.0  # logits
 
 
@@ -37,10 +37,7 @@ def comes_back(
             return -noise(x).log_likelihood(filled, cycle, used)
 
         found = min(
-            (
-                minimize(cost, start, method="Nelder-Mead", options={"maxfev": EVALUATIONS})
-                for start in starts
-            ),
+            (minimize(cost, start, method="Nelder-Mead", options=FINE_ENOUGH) for start in starts),
             key=lambda f: float(f.fun),
         )
         return -float(found.fun), noise(found.x)
