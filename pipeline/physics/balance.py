@@ -16,6 +16,7 @@ when a dwell began; over a dwell of length t it pulls as a spring of stiffness r
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from operator import attrgetter
 from typing import TYPE_CHECKING, Protocol, cast
 
 import numpy as np
@@ -33,6 +34,7 @@ NO_ARM = np.zeros((0, 2))
 NO_GIVE = np.zeros((0, 4))
 NO_CONTACT = np.zeros((0, 4))
 BALANCE = "balance"
+TABLES = attrgetter("slip", "bristle", "arm", "contact", "give", "loose")
 
 
 @dataclass(frozen=True)
@@ -92,16 +94,10 @@ def settle(
         cast(BalancedTerm, p.term).load(p.values, motion, memory.get(key))
         for p, key in zip(pieces, keys, strict=True)
     ]
-    slip, arm = stacked([load.slip for load in loads]), stacked([load.arm for load in loads])
-    bristle = stacked([load.bristle for load in loads])
-    give, contact = (
-        stacked([load.give for load in loads]),
-        stacked([load.contact for load in loads]),
-    )
-    loose = stacked([load.loose for load in loads])
+    slip, bristle, arm, contact, give, loose = map(stacked, zip(*map(TABLES, loads), strict=True))
     if len(loose):
         loose = loose * [curve.slope, curve.slope, 1.0, curve.slope]
-    smooth = loads[0].smooth if len(loads) == 1 else np.sum([load.smooth for load in loads], axis=0)
+    smooth = [sum(part) for part in zip(*(load.smooth for load in loads), strict=True)]
     pushed = np.zeros(len(asked))
     for load in loads:
         if load.pushed is not None:
@@ -116,7 +112,7 @@ def settle(
         balance(
             np.ascontiguousarray(asked), pushed, dwell, slip, bristle, arm, float(drag),
             (*(float(x) for x in smooth[1:]), motion.radian, contact), (give, loose, pretension),
-            float(smooth[0]), state is None, carried[1:], np.zeros(len(arm)), angle,
+            float(smooth[0]), state is None, carried[1:], np.zeros((len(arm), 3)), angle,
         )  # fmt: skip
         carried[0] = motion.time_s[-1]
     states = {key: load.carried for key, load in zip(keys, loads, strict=True) if load.carried.size}
@@ -125,5 +121,7 @@ def settle(
 
 def stacked(parts: Sequence[np.ndarray]) -> np.ndarray:
     """All rows of some tables of equal width."""
-    filled = [part for part in parts if len(part)] or parts[:1]
+    if len(parts) == 1:
+        return parts[0]
+    filled = [part for part in parts if part.size] or parts[:1]
     return filled[0] if len(filled) == 1 else np.concatenate(filled)

@@ -21,6 +21,7 @@ NEVER = 1e300
 SAME_DWELL = 1e-9
 EVEN = 0.8
 FIRST_PART, GROWTH = 0.04, 1.6
+NEARBY = 0.01
 
 # Nothing here allocates an array, so that nothing needs to count references to one (half the time).
 inlined = njit(  # type: ignore[call-overload]
@@ -200,6 +201,8 @@ def _moved(at, theta, asked, stiff, pull, tangent, body, strings, straight, bank
             if slope != tangent[0]:
                 tangent = (slope, 1.0 / slope, 1.0 / slope, 1.0 / slope)
             at = (asked + pull - held) * tangent[1]
+            if slip.shape[0] == 0:
+                break
         else:
             at, tangent = _rested(
                 at, theta, asked, stiff + stuck, pull - held, tangent, body, strings
@@ -241,11 +244,22 @@ def _pulled(stiff, pull, far, arm):  # type: ignore[no-untyped-def]
 
 
 @inlined
+def _power(x, known):  # type: ignore[no-untyped-def]
+    """exp(x), with known = (y, exp(y)) of a y nearby; and that. Dwells differ little: a series."""
+    more = x - known[0]
+    if abs(more) > NEARBY:
+        known, more = (x, np.exp(x)), 0.0
+    series = 1.0 + more * (1.0 + more / 2.0 * (1.0 + more / 3.0 * (1.0 + more / 4.0)))
+    return known[1] * series, known
+
+
+@inlined
 def _let_go(eases, dwell, arm, gone):  # type: ignore[no-untyped-def]
-    """Share of its stretch (in place) that each arm loses over a dwell."""
+    """Share of its stretch that each arm loses over a dwell, and what tells it (in place)."""
     for j in range(arm.shape[0]):
         pace = max(1.0 - arm[j, 0] * eases, 1e-3)
-        gone[j] = -np.expm1(-pace * dwell / arm[j, 1]) / pace
+        left, known = _power(-pace * dwell / arm[j, 1], (gone[j, 1], gone[j, 2]))
+        gone[j, 0], gone[j, 1], gone[j, 2] = (1.0 - left) / pace, known[0], known[1]
 
 
 @inlined
@@ -253,7 +267,7 @@ def _relax(theta, far, arm, gone):  # type: ignore[no-untyped-def]
     """Load that the arms let go; their far ends move (in place)."""
     late = 0.0
     for j in range(arm.shape[0]):
-        moved = (theta - far[j]) * gone[j]
+        moved = (theta - far[j]) * gone[j, 0]
         late += arm[j, 0] * moved
         far[j] += moved
     return late
@@ -270,8 +284,8 @@ def balance(  # type: ignore[no-untyped-def]
     relax and it settles again. Where the stiffness r changes on the way, by more than EVEN, a joint
     with drag goes it again in parts of the dwell, each with its own r.
     body: cubic, gravity, its zero, radian, contacts. strings: gives, loose wires, pretension. gone:
-    (a,) to work in. A tangent is the equation's slope, one over it, and how far the joint moves for
-    what is asked and for a load.
+    (a, 3) zeros to work in. A tangent is the equation's slope, one over it, and how far the joint
+    moves for what is asked and for a load.
     """
     m, arms = slip.shape[0], arm.shape[0]
     n = m + bristle.shape[0]
@@ -286,23 +300,22 @@ def balance(  # type: ignore[no-untyped-def]
     _ends(1.0, theta, ends, slip)
     bank = _line(1.0, theta, ends, slip)
     eased, relaxed, firmer, waited, held_back = -1.0, -1.0, -1.0, -1.0, 0.0
+    gone[:, 1], known = NEVER, (NEVER, 0.0)
     for t in range(q.size):
         free, load = _pulled(softest, pushed[t], far, arm)
-        now, wait, left = q[t] + pushed[t], dwell[t], 0.0
+        now = q[t] + pushed[t]
         at, asked, last = theta + (now - asked) * tangent[2], now, theta
-        before, began, whole = bank, firm, True
-        while True:
-            stiff, pull, start = free, load, theta
-            if drag > 0.0:
+        if drag > 0.0:
+            before, began, wait, left, whole = bank, firm, dwell[t], 0.0, True
+            while True:
                 if firm != firmer or abs(wait - waited) > SAME_DWELL * waited:
                     firmer, waited = firm, wait
-                    held_back = firm / max(np.expm1(min(firm * waited / drag, LONG)), BRIEF)
-                stiff += held_back
-                pull += held_back * theta
-            theta, tangent, bank = _moved(
-                at, theta, q[t], stiff, pull, tangent, body, strings, straight, bank, slip, ends
-            )
-            if drag > 0.0:
+                    grown, known = _power(min(firm * waited / drag, LONG), known)
+                    held_back = firm / max(grown - 1.0, BRIEF)
+                stiff, pull, start = free + held_back, load + held_back * theta, theta
+                theta, tangent, bank = _moved(
+                    at, theta, q[t], stiff, pull, tangent, body, strings, straight, bank, slip, ends
+                )
                 firm = max(1.0 / tangent[3] - held_back, SOFTEST)
                 if whole and not EVEN * began < firm < began / EVEN:
                     if bank[0] != before[0]:
@@ -310,13 +323,19 @@ def balance(  # type: ignore[no-untyped-def]
                     at, theta, bank, firm = last, last, before, began
                     whole, left, wait = False, wait, FIRST_PART * wait
                     continue
-            _bend(theta - start, bristle, bent)
-            if whole:
-                break
-            left -= wait
-            if left <= 0.0:
-                break
-            at, wait = theta, min(GROWTH * wait, left)
+                _bend(theta - start, bristle, bent)
+                if whole:
+                    break
+                left -= wait
+                if left <= 0.0:
+                    break
+                at, wait = theta, min(GROWTH * wait, left)
+        else:
+            stiff, pull = free, load
+            theta, tangent, bank = _moved(
+                at, theta, q[t], stiff, pull, tangent, body, strings, straight, bank, slip, ends
+            )
+            _bend(theta - last, bristle, bent)
         if arms > 0:
             if eased != tangent[3] or abs(dwell[t] - relaxed) > SAME_DWELL * relaxed:
                 eased, relaxed = tangent[3], dwell[t]
@@ -327,7 +346,8 @@ def balance(  # type: ignore[no-untyped-def]
                 at, theta, q[t], stiff, pull, tangent, body, strings, straight, bank, slip, ends
             )
             _bend(theta - last, bristle, bent)
-            firm = max(1.0 / tangent[3] - held_back, SOFTEST)
+            if drag > 0.0:
+                firm = max(1.0 / tangent[3] - held_back, SOFTEST)
         out[t] = theta
     _forces(bank[0], theta, ends, slip)
     state[0], state[1], state[-1] = asked, theta, firm

@@ -29,6 +29,7 @@ ORDER = (
     "drift",
     "marker_outliers",
 )
+PLACES = {name: place for place, name in enumerate(ORDER)}
 
 
 @dataclass(frozen=True)
@@ -142,7 +143,7 @@ class Mechanism:
 
 
 def _place(piece: Piece) -> int:
-    return ORDER.index(piece.term.name) if piece.term.name in ORDER else len(ORDER)
+    return PLACES.get(piece.term.name, len(PLACES))
 
 
 def _apply(
