@@ -17,7 +17,7 @@ class Friction(Term):
     and "bristle asymmetric" are one bristle instead (see `pre_sliding.py`): full loops of Dahl's,
     LuGre's at low speed or Bouc and Wen's model look like a bank's, but their small ones drift.
     Form "driven" is a bristle that the drive bends, x = u - width / 2 z(u), as models of tendons in
-    sheaths have it, over no shorter a reach than keeps the joint from outrunning the drive back.
+    sheaths have it, over no shorter a reach than keeps the joint from moving against the drive.
     Sources: Iwan (1966); Al-Bender and Swevers, IEEE Control Systems 28(6) (2008) 64.
     """
 
@@ -67,7 +67,7 @@ class Friction(Term):
         self, signal: np.ndarray, motion: Motion, values: np.ndarray, state: np.ndarray | None
     ) -> tuple[np.ndarray, np.ndarray]:
         width, reach, release = values
-        forward = max(reach, 0.25 * width * (1.0 + release))
+        forward = max(reach, 0.5 * width * (1.0 + release))
         share, state = dragging(signal, forward, release, state)
         return signal - 0.5 * width * share, state
 

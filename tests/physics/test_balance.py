@@ -160,9 +160,18 @@ def test_a_soft_stop_gives():
 
 def test_a_bristle_that_the_drive_bends_holds_back_by_dahls_curve():
     motion = line(0.0, 10.0, 400)
-    out = answer(motion, Piece(Friction("driven"), np.array([3.0, 2.0, 1.0])))
-    expected = motion.drive - 1.5 * (1.0 - np.exp(-motion.drive / 2.0))
+    out = answer(motion, Piece(Friction("driven"), np.array([2.0, 2.0, 1.0])))
+    expected = motion.drive - (1.0 - np.exp(-motion.drive / 2.0))
     np.testing.assert_allclose(out, expected, atol=1e-9)
+
+
+@pytest.mark.parametrize("release", [0.0, 1.0])
+def test_a_bristle_that_the_drive_bends_moves_nothing_against_the_drive(release):
+    motion = line(0.0, 10.0, 400)
+    drive = np.concatenate([motion.drive, motion.drive[::-1]])
+    motion = Motion(drive, np.arange(800.0), np.zeros(800, dtype=int))
+    out = answer(motion, Piece(Friction("driven"), np.array([6.0, 0.5, release])))
+    assert np.all(np.diff(out) * np.diff(drive) >= -1e-12)
 
 
 @pytest.mark.parametrize("release", [0.0, 1.0])
