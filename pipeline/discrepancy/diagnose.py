@@ -6,10 +6,10 @@ from dataclasses import replace
 import numpy as np
 
 from pipeline.discrepancy.accuracy import calibrated_alone, within_accuracy
+from pipeline.discrepancy.charge import absurd_calibration
 from pipeline.discrepancy.choose import (
     SLOW,
     Choice,
-    absurd_calibration,
     extended,
     wanders,
 )

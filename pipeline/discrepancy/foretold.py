@@ -5,7 +5,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from pipeline.discrepancy.choose import Choice, complexity, independent
+from pipeline.discrepancy.charge import complexity, independent
+from pipeline.discrepancy.choose import Choice
 from pipeline.discrepancy.fit import Fit, Ground, evaluate, improve
 from pipeline.discrepancy.ties import TIE
 from pipeline.physics.mechanism import Piece

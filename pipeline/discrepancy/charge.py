@@ -1,0 +1,53 @@
+"""What an explanation is charged for its terms, beside what it leaves."""
+
+import numpy as np
+
+from pipeline.discrepancy.calibration import FAR_OFF
+from pipeline.discrepancy.fit import Fit, Ground, parameters_of
+
+TERM_COST = 8.0
+SECOND_SIDE = 1.0
+AT_BOUND = 1.0
+VOID = 40.0
+UNLIKELY = {"lost_steps": 3.0, "contact": 2.0}
+SIDED = ("contact", "end_stop")
+ABSURD = 2.0
+
+
+def complexity(fit: Fit) -> float:
+    """The charge for a fit's terms and for those of their parameters that are not at a bound.
+
+    A calibration that can be none explains as little as a term that amounts to nothing.
+    """
+    charge = 0.0 if absurd_calibration(fit) is None else VOID
+    for i, piece in enumerate(fit.pieces):
+        charge += VOID if piece.term.void(piece.values) else 0.0
+        again = piece.term.name in SIDED and piece.term.name in fit.names[:i]
+        charge += (SECOND_SIDE if again else TERM_COST) + UNLIKELY.get(piece.term.name, 0.0)
+        for p, value in zip(parameters_of(fit.ground, piece.term), piece.values, strict=True):
+            nothing = p.weak or (value <= p.low and p.typical > 0.0)
+            charge += AT_BOUND if nothing else np.log(independent(fit.ground))
+    return charge
+
+
+def absurd_calibration(fit: Fit) -> str | None:
+    """Which part of the calibration no calibration can be, in words.
+
+    A gain that is off by a factor of two, or turned round, speaks of units or wiring; an offset
+    beyond all that the simulation moves, too.
+    """
+    around = fit.ground.problem.around
+    gain, offset = fit.nuisance[:2]
+    if not 1.0 / ABSURD < gain < ABSURD:
+        return f"the gain, which is {gain:.3g}"
+    if abs(offset) > max(around.angle_span, FAR_OFF * fit.ground.problem.tolerance.offset):
+        return f"the offset, which is {offset:.3g} {around.angle_unit}"
+    return None
+
+
+def independent(ground: Ground) -> float:
+    """About how many independent samples there are."""
+    share = ground.noise.correlated**2 / max(ground.noise.deviation**2, 1e-300)
+    phi = ground.noise.correlation
+    count = ground.count / ground.noise.spell
+    return max(count * (1.0 - share * 2.0 * phi / (1.0 + phi)), 10.0)
