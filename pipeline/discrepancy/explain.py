@@ -26,7 +26,7 @@ from pipeline.physics.catalogue import force_terms, terms
 from pipeline.physics.term import Term
 from pipeline.recording import reversals_of
 
-MOST_UNSETTLED = 0.1
+MOST_UNSETTLED, MOST_UNREPEATED = 0.3, 0.1
 TURN_ROWS = 2
 OF_ONE_SHAFT = ("transmission_ripple",)
 TURNS, STANDING = 4, 1.0
@@ -55,7 +55,7 @@ def explain(problem: Problem) -> Explanation:
     prior = learn_noise(problem)
     candidates = excited_terms(problem)
     effects = effects_of(problem, candidates)
-    settled = settled_rows(problem)
+    settled = settled_rows(problem, prior)
     off = np.where(problem.train, problem.measured - problem.simulated, np.nan)
     outliers = isolated(off, problem.train, prior.finest) & ~turning(problem)
     used = problem.train & settled & ~outliers
@@ -63,10 +63,10 @@ def explain(problem: Problem) -> Explanation:
     ground = ground_of(problem, prior.model, used)
     base = search.weighed(evaluate(ground, ()), (0, 0, 0))
     if within_accuracy(base, used):
-        outliers = mistaken_rows(problem, base, prior.finest)
+        outliers = mistaken_rows(problem, base, prior)
         return Explanation(problem, prior, search, [base], outliers, used)
     choices = choose(search, ground)
-    found = mistaken_rows(problem, choices[0], prior.finest)
+    found = mistaken_rows(problem, choices[0], prior)
     if not np.array_equal(found, outliers):
         used = problem.train & settled & ~found
         search = Search(candidates, effects, noise_family(prior, problem.cycle, used))
@@ -75,7 +75,7 @@ def explain(problem: Problem) -> Explanation:
     if prior.repeats == 0 and problem.derivatives is None:
         best = resettled(search, choices[0])
         choices = foretelling(with_slow_terms(search, [best, *choices[1:]]))
-    outliers = mistaken_rows(problem, choices[0], prior.finest)
+    outliers = mistaken_rows(problem, choices[0], prior)
     return Explanation(problem, prior, search, choices, outliers, used)
 
 
@@ -103,19 +103,19 @@ def with_slow_terms(search: Search, choices: Sequence[Choice]) -> list[Choice]:
     return list(found.values())
 
 
-def mistaken_rows(problem: Problem, choice: Choice, finest: float) -> np.ndarray:
+def mistaken_rows(problem: Problem, choice: Choice, prior: NoisePrior) -> np.ndarray:
     """Outliers of a choice's residual: isolated rows, and few that its noise finds incredible.
 
     Rows that the choice was not fitted to are judged by their distance alone.
     """
     fit = choice.fit
     off = np.where(problem.train, problem.measured - fit.predicted, np.nan)
-    out = isolated(off, problem.train, finest)
+    out = isolated(off, problem.train, prior.finest)
     incredible = np.flatnonzero(fit.ground.used)[np.abs(fit.innovations) > INCREDIBLE]
     if len(incredible) < MOST_INCREDIBLE * fit.ground.count:
         alone = np.diff(incredible, prepend=-9) > 1
         out[incredible[alone]] = True
-    left_out = problem.train & settled_rows(problem) & ~fit.ground.used
+    left_out = problem.train & settled_rows(problem, prior) & ~fit.ground.used
     out |= left_out & (np.abs(off) > INCREDIBLE * fit.ground.noise.deviation)
     return out & ~turning(problem)
 
@@ -157,13 +157,15 @@ def not_excited(problem: Problem) -> tuple[str, ...]:
     return tuple(sorted(every - shown))
 
 
-def settled_rows(problem: Problem) -> np.ndarray:
+def settled_rows(problem: Problem, prior: NoisePrior) -> np.ndarray:
     """Rows from the first reversal on: before it, the mechanism may remember an earlier motion.
 
-    All rows where that would cost more than a tenth of them.
+    All rows where that would cost more than three tenths of them, or more than a tenth where no
+    cycle repeats another.
     """
     out = np.ones(len(problem.motion), dtype=bool)
     turns = reversals_of(problem.motion.drive)
-    if len(turns) and turns[0] < MOST_UNSETTLED * len(out):
+    most = MOST_UNSETTLED if prior.repeats > 0 else MOST_UNREPEATED
+    if len(turns) and turns[0] < most * len(out):
         out[: turns[0]] = False
     return out

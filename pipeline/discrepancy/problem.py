@@ -165,9 +165,10 @@ def pose_problem(
 
     Raises DiagnosisError where there is too little to judge.
     """
-    motion, curve, drive, static = driven_by(recording, measurement, simulated)
     measured = recording.values(measurement)
     known = np.isfinite(measured) & np.isfinite(simulated)
+    refuse_unknown(measurement, known)
+    motion, curve, drive, static = driven_by(recording, measurement, simulated)
     heldout = held_out_rows(config.heldout, motion, known)
     train = known & ~heldout
     refuse_unfit(config.heldout, measurement, train, known & heldout)
@@ -182,15 +183,7 @@ def refuse_unfit(
     config: HeldoutConfig, measurement: str, train: np.ndarray, heldout: np.ndarray
 ) -> None:
     """Raise DiagnosisError where masks (n,) leave too few rows to fit on, or none as a proof."""
-    if not (train | heldout).any():
-        raise DiagnosisError(
-            refusal(
-                f"measurement {measurement!r}",
-                "samples that were measured, and simulated",
-                f"none in {len(train)} rows",
-                "Measure it, or take the channel and its simulation out of recording.json.",
-            )
-        )
+    refuse_unknown(measurement, train | heldout)
     if not heldout.any():
         raise DiagnosisError(
             refusal(
@@ -207,6 +200,19 @@ def refuse_unfit(
                 f"at least {FEWEST_SAMPLES} measured samples to fit on",
                 f"{int(train.sum())} of {len(train)} rows (held-out cycles are not counted)",
                 "Record more cycles or more steps.",
+            )
+        )
+
+
+def refuse_unknown(measurement: str, known: np.ndarray) -> None:
+    """Raise DiagnosisError where no row (n,) is both measured and simulated."""
+    if not known.any():
+        raise DiagnosisError(
+            refusal(
+                f"measurement {measurement!r}",
+                "samples that were measured, and simulated",
+                f"none in {len(known)} rows",
+                "Measure it, or take the channel and its simulation out of recording.json.",
             )
         )
 

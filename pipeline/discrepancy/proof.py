@@ -45,7 +45,7 @@ def disproved(
     if problem.derivatives is not None:
         return structure
     noise = choice.fit.ground.noise
-    used = counted & settled_rows(problem) & (problem.train | problem.heldout)
+    used = counted & settled_rows(problem, explanation.prior) & (problem.train | problem.heldout)
     gain, likely = comes_back(off, problem.cycle, used, noise.jitter, SLOW)
     large = likely.correlated > SMALLEST_SIZE * noise.deviation
     if not (large and likely.correlation > SLOW and gain > -2.0 * np.log(CHANCE)):

@@ -11,7 +11,7 @@ from pipeline.config import DiagnosisConfig, HeldoutConfig
 from pipeline.discrepancy.problem import DiagnosisError, held_out_rows
 from pipeline.discrepancy.result import VERDICTS, as_json
 from pipeline.physics.motion import Motion
-from pipeline.recording import Channel, Recording
+from pipeline.recording import Channel, Recording, with_context
 from pipeline.stages.diagnosis import diagnose
 from tests.discrepancy.made import NOISE, recorded
 
@@ -225,9 +225,17 @@ def test_two_samples_are_refused():
         diagnosed(short)
 
 
-def test_a_measurement_of_which_nothing_was_measured_is_refused():
+def test_where_the_wire_lay_before_a_recording_began_bears_no_name():
+    whole = recorded({"backlash": {"width": 8.0}}, cycles=4, seed=2)
+    from_the_top = whole.samples.iloc[30:].drop(columns=["cycle", "step"]).reset_index(drop=True)
+    result = diagnosed(replace(whole, samples=with_context(from_the_top, whole.channels)))
+    assert names(result) == {"backlash"}
+
+
+@pytest.mark.parametrize("channel", [ANGLE, SIMULATED])
+def test_a_measurement_of_which_nothing_was_measured_or_simulated_is_refused(channel):
     recording = recorded({})
-    empty = changed(recording, **{ANGLE: np.full(len(recording.samples), np.nan)})
+    empty = changed(recording, **{channel: np.full(len(recording.samples), np.nan)})
     with pytest.raises(DiagnosisError, match=r"measured, and simulated; found none in 720 rows"):
         diagnosed(empty)
 
