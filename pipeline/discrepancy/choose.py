@@ -177,7 +177,8 @@ def extended(
     """The parent with each of the most promising further terms; sets in `skip` are left out.
 
     begun: fits of the parent's terms to begin from as well, under the parent's noise. Where that
-    wanders, slow terms are also looked for beside noise that does not.
+    wanders, slow terms are also looked for beside noise that does not. Where nothing repeats, the
+    noise of the empty explanation is all that was left out: beside it a step may promise little.
     """
     terms = [
         t
@@ -185,8 +186,10 @@ def extended(
         if parent.fit.key | {(t.name, t.form)} not in skip
     ]
     found: dict[Key, Fit] = {}
+    unknown = not parent.fit.pieces and search.family.prior.repeats == 0
     for start in (parent.fit, *begun):
-        for few in hopeful(by_term(screen(start, search.effects, terms))[:branches]):
+        groups = by_term(screen(start, search.effects, terms))[:branches]
+        for few in hopeful(groups, 0.0 if unknown else TERM_COST):
             trial = improve(started(start, few), 3, start)
             if trial.key not in found or trial.cost < found[trial.key].cost:
                 found[trial.key] = trial
@@ -233,10 +236,10 @@ def wanders(place: Place) -> bool:
     return place[1] > 0 or place[2] > 0
 
 
-def hopeful(groups: Sequence[list[Lead]]) -> list[list[Lead]]:
-    """Those (best first) that promise what a term is charged, and not much less than the best."""
+def hopeful(groups: Sequence[list[Lead]], least: float) -> list[list[Lead]]:
+    """Those (best first) that promise more than `least`, and not much less than the best."""
     most = groups[0][0].gain if groups else 0.0
-    least = max(TERM_COST, LAGGARD * most if most > CLEAR else 0.0)
+    least = max(least, LAGGARD * most if most > CLEAR else 0.0)
     return [few for few in groups if few[0].gain > least]
 
 
