@@ -141,7 +141,8 @@ def sure_of_slow(explanation: Explanation, best: Choice) -> Choice:
     quiet = {n for n in best.fit.names if n not in SLOW}
     if explanation.prior.repeats == 0 or len(quiet) == len(names(best)):
         return best
-    rivals = [c for c in explanation.choices if names(c) == quiet and wanders(c.place)]
+    fewer_slow = [c for c in explanation.choices if quiet <= names(c) < names(best)]
+    rivals = [c for c in fewer_slow if wanders(c.place)]
     rival = min(rivals, key=lambda c: c.score, default=best)
     return rival if rival.score < best.score + 2.0 * np.log(ODDS) else best
 
