@@ -11,6 +11,7 @@ from pipeline.discrepancy.noise_family import noise_family
 from pipeline.discrepancy.noise_learning import learn_noise
 from pipeline.discrepancy.outliers import isolated
 from pipeline.discrepancy.problem import pose_problem, static_misfit, thinned
+from pipeline.discrepancy.screen import effects_of
 from pipeline.physics.catalogue import term
 from pipeline.physics.mechanism import Piece
 from tests.discrepancy.made import NOISE, recorded
@@ -47,6 +48,16 @@ def test_a_fit_finds_what_was_hidden():
 def test_every_parameter_has_a_slope():
     slopes = jacobian(fitted(2))
     assert np.all(np.sum(slopes**2, axis=0) > 1.0)
+
+
+def test_a_ripple_behind_a_late_answer_is_screened_at_its_period():
+    behind = {"response_lag": {"time_constant": 6.0}, **HIDDEN}
+    fit = fitted(3, behind, (Piece(term("response_lag"), np.array([5.0])), BEGUN[0]))
+    ripple = term("transmission_ripple")
+    effects = effects_of(fit.ground.problem, [ripple])
+    kept = effects.promising(fit, [ripple], 4)
+    assert len(kept) == 16 < len(effects.places) / 5
+    assert min(abs(values[1] - 20.0) for _, values in kept) < 1.0
 
 
 def test_intervals_cover():

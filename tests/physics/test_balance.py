@@ -213,3 +213,18 @@ def test_a_ripple_counts_from_where_the_drive_is_zero():
     second = answer(motion, Piece(TransmissionRipple("second"), np.array([2.0, 13, 1.1, 0.4, 2.0])))
     assert first[30] == pytest.approx(0.0, abs=1e-12)
     assert second[30] == pytest.approx(0.0, abs=1e-12)
+
+
+@pytest.mark.parametrize(("late_term", "values"), [(ResponseLag(), [2.0]), (Creep(), [0.3, 5.0])])
+def test_dwells_of_any_length_are_followed_exactly(late_term, values):
+    rng = np.random.default_rng(5)
+    dwell = np.where(rng.random(400) < 0.1, 9.0, 3.0) + rng.uniform(-0.05, 0.05, 400)
+    command = np.cumsum(rng.normal(size=400))
+    motion = Motion(command, np.cumsum(dwell), np.zeros(400, dtype=int))
+    seen = Mechanism(pieces=[Piece(late_term, np.array(values))]).trace(motion).seen
+    late, expected = command[0], np.empty(400)
+    share, tau = (1.0, *values)[-2:]
+    for i in range(400):
+        late += (command[i] - late) * (-np.expm1(-dwell[i] / tau) if i else 0.0)
+        expected[i] = (1.0 - share) * command[i] + share * late
+    assert seen == pytest.approx(expected, abs=1e-8)
