@@ -32,7 +32,7 @@ LEAST_GAIN = 6.0
 SAME = 1.0
 WORTH = 150.0
 EARLIER = 6
-LAGGARD, CLEAR = 0.3, 60.0
+LAGGARD, CLEAR, HOPELESS = 0.3, 60.0, 0.1
 FAINT, BEHIND = 15.0, 0.5
 
 
@@ -191,6 +191,8 @@ def extended(
         groups = by_term(screen(start, search.effects, terms))[:branches]
         for few in hopeful(groups, 0.0 if unknown else TERM_COST):
             trial = improve(started(start, few), 3, start)
+            if trial.cost > start.cost - TERM_COST:
+                trial = improve(trial, 6)
             if trial.key not in found or trial.cost < found[trial.key].cost:
                 found[trial.key] = trial
     slow = [t for t in terms if t.name in SLOW]
@@ -211,9 +213,10 @@ def worthwhile(
 ) -> list[Fit]:
     """The best few trials, and the best of each slow name, that may still become the best.
 
-    After three steps a trial is out that is further behind its parent than the least charge for a
-    term, or has gained less than half as much as the best one that gained clearly. The slow ones
-    were begun under another noise: they may be as far behind as they are.
+    After its steps (more where the first left it behind) a trial is out that is further behind its
+    parent than the least charge for a term, or has gained less than half as much as the best one
+    that gained clearly. The slow ones were begun under another noise: they may be as far behind as
+    they are.
     """
     hopes = {id(t): parent.score - search.hoped(t, parent.place) for t in (*trials, *slow)}
 
@@ -239,7 +242,7 @@ def wanders(place: Place) -> bool:
 def hopeful(groups: Sequence[list[Lead]], least: float) -> list[list[Lead]]:
     """Those (best first) that promise more than `least`, and not much less than the best."""
     most = groups[0][0].gain if groups else 0.0
-    least = max(least, LAGGARD * most if most > CLEAR else 0.0)
+    least = max(least, HOPELESS * most if most > CLEAR else 0.0)
     return [few for few in groups if few[0].gain > least]
 
 
