@@ -54,13 +54,20 @@ class Choice:
 class Search:
     """What a search needs: the terms that the recording can show and the noises to choose from.
 
-    plain: scores of choices for which a richer set of forms was tried in vain.
+    plain: scores of choices for which a richer set of forms was tried in vain. wide: whether what
+    gains much less than the best at first is followed, too.
     """
 
     terms: tuple[Term, ...]
     effects: Effects
     family: NoiseFamily
     plain: dict[Key, float] = field(default_factory=dict)
+    wide: bool = False
+
+    @property
+    def clear(self) -> float:
+        """The gain from which on what gains much less is not followed."""
+        return np.inf if self.wide else CLEAR
 
     def weighed(self, fit: Fit, place: Place, iterations: int = 4) -> Choice:
         """A fit under the noise that suits its own residual, refitted there, and its score.
@@ -133,7 +140,7 @@ def choose(search: Search, ground: Ground) -> list[Choice]:
                 level[child.fit.key] = child
         if not level:
             break
-        beam = promising(list(level.values()), base.score)
+        beam = promising(list(level.values()), base.score, search.clear)
         if depth == 0:
             beam = [grown(search, c) for c in beam]
             level |= {c.fit.key: c for c in beam}
@@ -159,11 +166,11 @@ def choose_again(search: Search, ground: Ground, earlier: Sequence[Choice]) -> l
     return list(found.values())
 
 
-def promising(choices: Sequence[Choice], base: float) -> list[Choice]:
+def promising(choices: Sequence[Choice], base: float, clear: float) -> list[Choice]:
     """The best few, but for those that gained much less than the best on an empty explanation."""
     best, *rest = sorted(choices, key=lambda c: c.score)[:BEAM]
     gain = base - best.score
-    near = [c for c in rest if base - c.score > LAGGARD * gain or gain < CLEAR]
+    near = [c for c in rest if base - c.score > LAGGARD * gain or gain < clear]
     return [best, *near]
 
 
@@ -189,7 +196,7 @@ def extended(
     unknown = not parent.fit.pieces and search.family.prior.repeats == 0
     for start in (parent.fit, *begun):
         groups = by_term(screen(start, search.effects, terms))[:branches]
-        for few in hopeful(groups, 0.0 if unknown else TERM_COST):
+        for few in hopeful(groups, 0.0 if unknown else TERM_COST, search.clear):
             trial = improve(started(start, few), 3, start)
             if trial.cost > start.cost - TERM_COST:
                 trial = improve(trial, 6)
@@ -231,7 +238,7 @@ def worthwhile(
     for trial in sorted((*few, *own.values()), key=hope, reverse=True):
         best.setdefault(trial.key, trial)
     most_hoped = max(hopes.values(), default=0.0)
-    return [t for t in best.values() if most_hoped < CLEAR or hope(t) > BEHIND * most_hoped]
+    return [t for t in best.values() if most_hoped < search.clear or hope(t) > BEHIND * most_hoped]
 
 
 def wanders(place: Place) -> bool:
@@ -239,10 +246,10 @@ def wanders(place: Place) -> bool:
     return place[1] > 0 or place[2] > 0
 
 
-def hopeful(groups: Sequence[list[Lead]], least: float) -> list[list[Lead]]:
+def hopeful(groups: Sequence[list[Lead]], least: float, clear: float) -> list[list[Lead]]:
     """Those (best first) that promise more than `least`, and not much less than the best."""
     most = groups[0][0].gain if groups else 0.0
-    least = max(least, HOPELESS * most if most > CLEAR else 0.0)
+    least = max(least, HOPELESS * most if most > clear else 0.0)
     return [few for few in groups if few[0].gain > least]
 
 

@@ -9,6 +9,7 @@ from pipeline.discrepancy.accuracy import within_accuracy
 from pipeline.discrepancy.choose import (
     SLOW,
     Choice,
+    Key,
     Search,
     choose,
     choose_again,
@@ -29,6 +30,7 @@ from pipeline.recording import reversals_of
 MOST_UNSETTLED, MOST_UNREPEATED = 0.3, 0.1
 TURN_ROWS = 2
 OF_ONE_SHAFT = ("transmission_ripple",)
+SURELY = 3.0
 TURNS, STANDING = 4, 1.0
 INCREDIBLE, MOST_INCREDIBLE = 4.3, 0.03
 
@@ -71,12 +73,35 @@ def explain(problem: Problem) -> Explanation:
         used = problem.train & settled & ~found
         search = Search(candidates, effects, noise_family(prior, problem.cycle, used))
         choices = choose_again(search, ground_of(problem, prior.model, used), choices)
-    choices = polished(search, choices)
+    choices = searched_wide(search, polished(search, choices))
     if prior.repeats == 0 and problem.derivatives is None:
         best = resettled(search, choices[0])
         choices = foretelling(with_slow_terms(search, [best, *choices[1:]]))
     outliers = mistaken_rows(problem, choices[0], prior)
     return Explanation(problem, prior, search, choices, outliers, used)
+
+
+def searched_wide(search: Search, found: list[Choice]) -> list[Choice]:
+    """The choices; where what the best leaves can't be noise, those of a search without shortcuts.
+
+    What gains most at first is then not on the way to what explains most.
+    """
+    if not refuted(search, found[0]):
+        return found
+    wide = replace(search, wide=True, plain={})
+    again = polished(wide, choose(wide, found[0].fit.ground))
+    best: dict[Key, Choice] = {}
+    for choice in sorted([*again, *found], key=lambda c: c.score):
+        best.setdefault(choice.fit.key, choice)
+    return list(best.values())
+
+
+def refuted(search: Search, choice: Choice) -> bool:
+    """Whether a choice leaves noise of a shape or size that repeats speak against."""
+    family = search.family
+    prior, deviation = family.prior, choice.fit.ground.noise.deviation
+    larger = np.log(deviation / prior.model.deviation) > SURELY * prior.sure
+    return prior.repeats > 0 and bool(family.strained(choice.place) > SURELY**2 or larger)
 
 
 def resettled(search: Search, choice: Choice) -> Choice:
