@@ -69,7 +69,9 @@ def test_the_other_axis_can_move_this_one():
     config = AxisTwin(terms={"coupling/pitch_command_deg": {"gain": 0.1}})
     snake = Snake(TwinConfig(yaw=config), 0)
     snake.move(1.0, {"yaw": 0.0, "pitch": 20.0})
-    assert snake.pose_deg()["yaw"] == pytest.approx(2.0)
+    pulled_deg = 2.0 / config.gain
+    bent_deg = config.gain * pulled_deg - config.cubic * pulled_deg**3
+    assert snake.pose_deg()["yaw"] == pytest.approx(bent_deg)
 
 
 def test_what_the_camera_gets_wrong_is_seen_but_not_true():
