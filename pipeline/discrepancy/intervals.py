@@ -12,9 +12,10 @@ from pipeline.recording import branch_of
 DEVIATIONS = 1.96
 FALL = 3.84
 WIDEST = 1e12
-FARTHEST = 60
+PATIENCE = 6
 NEGLIGIBLE = 0.01
 STRETCHES = 12
+LONGEST_MOVE = 0.2
 
 
 def covariance_of(fit: Fit) -> np.ndarray:
@@ -97,6 +98,8 @@ def estimates(fit: Fit, covariance: np.ndarray) -> list[tuple[Piece, tuple[Estim
                 scale = gain
                 variance = gain**2 * variance + value**2 * covariance[0, 0]
                 variance += 2.0 * gain * value * covariance[0, k]
+            if p.unit == "s":
+                variance += arrival_s(fit) ** 2
             if p.stepwise:
                 low, high = moment_interval(fit, i, j)
                 low, high = min(low, float(value)), max(high, float(value))
@@ -110,21 +113,32 @@ def estimates(fit: Fit, covariance: np.ndarray) -> list[tuple[Piece, tuple[Estim
     return out
 
 
+def arrival_s(fit: Fit) -> float:
+    """How much of the time that a command took to arrive [s, RMS] a lag may count as its own.
+
+    That is half of it; no recording tells how long it took: up to a fifth of a dwell, say.
+    """
+    return 0.5 * LONGEST_MOVE * fit.ground.problem.around.dwell_s / np.sqrt(3.0)
+
+
 def moment_interval(fit: Fit, place: int, parameter: int) -> tuple[float, float]:
-    """The fitted samples between which the slip lies, as far as the cost tells them apart [s]."""
+    """The fitted samples between which the slip lies, as far as the cost tells them apart [s].
+
+    Noise parts those that fit as well: a few that do not are passed over.
+    """
     time_s = fit.ground.problem.motion.time_s[fit.ground.used]
     times = moments(fit)
     near = int(np.argmin(np.abs(times - fit.pieces[place].values[parameter])))
-    first = last = near
 
-    def as_good(k: int) -> bool:
-        near_enough = 0 <= k < len(times) and abs(k - near) <= FARTHEST
-        return near_enough and moved(fit, place, parameter, times[k]).cost < fit.cost + FALL
+    def farthest(way: int) -> int:
+        found = k = near
+        while 0 <= k + way < len(times) and abs(k + way - found) <= PATIENCE:
+            k += way
+            if moved(fit, place, parameter, times[k]).cost < fit.cost + FALL:
+                found = k
+        return found
 
-    while as_good(first - 1):
-        first -= 1
-    while as_good(last + 1):
-        last += 1
+    first, last = farthest(-1), farthest(1)
     return float(time_s[first]), float(time_s[last + 1])
 
 
