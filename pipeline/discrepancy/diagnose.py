@@ -7,12 +7,7 @@ import numpy as np
 
 from pipeline.discrepancy.accuracy import calibrated_alone, within_accuracy
 from pipeline.discrepancy.charge import absurd_calibration
-from pipeline.discrepancy.choose import (
-    SLOW,
-    Choice,
-    extended,
-    wanders,
-)
+from pipeline.discrepancy.choose import Choice
 from pipeline.discrepancy.explain import Explanation, explain, not_excited
 from pipeline.discrepancy.fit import evaluate, improve
 from pipeline.discrepancy.force_delay import delay_of, late
@@ -35,32 +30,20 @@ from pipeline.discrepancy.result import (
     NamedPhysics,
     Unexplained,
 )
-from pipeline.discrepancy.ties import (
-    BENDS,
-    Standing,
-    by_names,
-    equivalents,
-    names,
-    plain,
-    standing,
-    undisguised,
-    weights_of,
-)
+from pipeline.discrepancy.rivals import hypotheses_of, mechanism_of
+from pipeline.discrepancy.ties import Standing, standing, undisguised
 from pipeline.discrepancy.verdict import (
     Structure,
     fewer,
     follows,
     structure_of,
+    sure_of_slow,
 )
 from pipeline.discrepancy.zero import zero_at_end
 from pipeline.physics.coupling import Coupling
-from pipeline.physics.mechanism import Mechanism
 from pipeline.recording import Recording
 
-RIVALS = 6
-RIVAL_GAP = 14.0
 SUREST = 0.98
-ODDS = 5.0
 
 
 def diagnose_measurement(
@@ -133,20 +116,6 @@ def decided(problem: Problem, explanation: Explanation) -> tuple[Choice, Structu
     return best, structure, accurate
 
 
-def sure_of_slow(explanation: Explanation, best: Choice) -> Choice:
-    """The best choice, without its drift and slips where they may be noise that wanders.
-
-    Where cycles repeat, such a zero is nothing to be named: the odds against it must be 5 to 1.
-    """
-    quiet = {n for n in best.fit.names if n not in SLOW}
-    if explanation.prior.repeats == 0 or len(quiet) == len(names(best)):
-        return best
-    fewer_slow = [c for c in explanation.choices if quiet <= names(c) < names(best)]
-    rivals = [c for c in fewer_slow if wanders(c.place)]
-    rival = min(rivals, key=lambda c: c.score, default=best)
-    return rival if rival.score < best.score + 2.0 * np.log(ODDS) else best
-
-
 def calibration_of(problem: Problem, choice: Choice) -> Calibration:
     """Gain and offset of a choice, and the delay of a force."""
     gain, offset = (float(value) for value in choice.fit.nuisance[:2])
@@ -163,18 +132,6 @@ def reduced(problem: Problem) -> tuple[Problem, int]:
     if problem.derivatives is None:
         return thinned(problem)
     return averaged(problem)
-
-
-def mechanism_of(problem: Problem, choice: Choice) -> Mechanism:
-    """The choice's mechanism with its calibration."""
-    fit = choice.fit
-    return Mechanism(
-        problem.curve,
-        fit.pieces,
-        float(fit.nuisance[0]),
-        float(fit.nuisance[1]),
-        fit.ground.nuisances.error(fit.nuisance),
-    )
 
 
 def model_of(
@@ -202,42 +159,6 @@ def model_of(
         delay_s=problem.delay.value,
         zero=None if wandering else zero_at_end(problem, choice.fit),
     )
-
-
-def hypotheses_of(
-    problem: Problem, explanation: Explanation, best: Choice
-) -> tuple[Hypothesis, ...]:
-    """The explanations that compete: the chosen one, and the others by their probability."""
-    every = [*explanation.choices, *swapped(explanation, best)]
-    near = [c for c in by_names(every) if c.score < best.score + RIVAL_GAP]
-    known = {names(c) for c in near}
-    distinct = [c for c in near if c is best or plain(c) == names(c) or plain(c) not in known]
-    if all(c is not best for c in distinct):
-        distinct = [best]
-    weights = weights_of(distinct)
-    found = [
-        Hypothesis(c.fit.names, float(w), mechanism_of(problem, c), zero_at_end(problem, c.fit))
-        for c, w in sorted(
-            zip(distinct, weights, strict=True), key=lambda x: (x[0] is not best, -x[1])
-        )
-    ]
-    return tuple(found[:RIVALS])
-
-
-def swapped(explanation: Explanation, best: Choice) -> list[Choice]:
-    """The best choice with a name swapped for one that such commands can't tell from it.
-
-    Only those that the search has left out: it keeps few of those that fit alike.
-    """
-    search, tried, out = explanation.search, {names(c) for c in explanation.choices}, []
-    for name in dict.fromkeys(best.fit.names):
-        rest = [p for p in best.fit.pieces if p.term.name != name]
-        rivals = set(equivalents(name, explanation.problem)) - BENDS
-        left_out = {r for r in rivals if names(best) - {name} | {r} not in tried}
-        if left_out:
-            own = replace(search, terms=tuple(t for t in search.terms if t.name in left_out))
-            out += extended(own, replace(best, fit=evaluate(best.fit.ground, rest)))
-    return out
 
 
 def evidence_of(

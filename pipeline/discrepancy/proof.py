@@ -11,7 +11,7 @@ from pipeline.discrepancy.outliers import isolated
 from pipeline.discrepancy.problem import Problem
 from pipeline.discrepancy.verdict import (
     CHANCE,
-    SLOW,
+    SLOW_CORRELATION,
     SMALLEST_SIZE,
     Structure,
     mismatch_variance,
@@ -46,9 +46,9 @@ def disproved(
         return structure
     noise = choice.fit.ground.noise
     used = counted & settled_rows(problem, explanation.prior) & (problem.train | problem.heldout)
-    gain, likely = comes_back(off, problem.cycle, used, noise.jitter, SLOW)
+    gain, likely = comes_back(off, problem.cycle, used, noise.jitter, SLOW_CORRELATION)
     large = likely.correlated > SMALLEST_SIZE * noise.deviation
-    if not (large and likely.correlation > SLOW and gain > -2.0 * np.log(CHANCE)):
+    if not (large and likely.correlation > SLOW_CORRELATION and gain > -2.0 * np.log(CHANCE)):
         return structure
     share = min(likely.correlated**2 / mismatch_variance(explanation), 1.0)
     p_value = min(structure.p_value, float(np.exp(-0.5 * gain)))

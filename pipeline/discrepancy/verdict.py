@@ -5,21 +5,23 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from pipeline.discrepancy.calibration import FAR_OFF
-from pipeline.discrepancy.choose import Choice
+from pipeline.discrepancy.choose import SLOW, Choice, wanders
 from pipeline.discrepancy.explain import Explanation
 from pipeline.discrepancy.fit import evaluate, improve
 from pipeline.discrepancy.noise import NoiseModel
 from pipeline.discrepancy.noise_family import WALKS, Place
 from pipeline.discrepancy.rest import structured_rest
+from pipeline.discrepancy.ties import names
 
 CHANCE = 1e-5
 SMALLEST_SIZE = 0.2
-SLOW = 0.87
+SLOW_CORRELATION = 0.87
 ENOUGH = 0.7
 MOST_LEFT = 0.1
 UNFOLLOWED = 0.7
 FORM_ERROR = 0.05
 LOUD = 0.25
+ODDS = 5.0
 
 
 @dataclass(frozen=True)
@@ -50,6 +52,20 @@ def follows(explanation: Explanation, choice: Choice) -> bool:
     if noisy and not choice.fit.pieces:
         return True
     return mean_square(explanation, choice) < UNFOLLOWED * float(np.var(measured))
+
+
+def sure_of_slow(explanation: Explanation, best: Choice) -> Choice:
+    """The best choice, without its drift and slips where they may be noise that wanders.
+
+    Where cycles repeat, such a zero is nothing to be named: the odds against it must be 5 to 1.
+    """
+    quiet = {n for n in best.fit.names if n not in SLOW}
+    if explanation.prior.repeats == 0 or len(quiet) == len(names(best)):
+        return best
+    fewer_slow = [c for c in explanation.choices if quiet <= names(c) < names(best)]
+    rivals = [c for c in fewer_slow if wanders(c.place)]
+    rival = min(rivals, key=lambda c: c.score, default=best)
+    return rival if rival.score < best.score + 2.0 * np.log(ODDS) else best
 
 
 def structure_of(explanation: Explanation, choice: Choice) -> Structure:
@@ -98,7 +114,7 @@ def slow(explanation: Explanation, choice: Choice) -> bool:
     likelihood of the chosen one.
     """
     ground, family = choice.fit.ground, explanation.search.family
-    if ground.noise.correlation <= SLOW:
+    if ground.noise.correlation <= SLOW_CORRELATION:
         return False
     residual = np.where(ground.used, ground.problem.measured - choice.fit.predicted, 0.0)
 
@@ -108,7 +124,7 @@ def slow(explanation: Explanation, choice: Choice) -> bool:
     sooner = [
         cost((k, choice.place[1], walk))
         for k, shape in enumerate(family.shapes)
-        if shape[1] <= SLOW
+        if shape[1] <= SLOW_CORRELATION
         for walk in range(len(WALKS))
     ]
     return bool(cost(choice.place) < min(sooner, default=np.inf) + 2.0 * np.log(CHANCE))
