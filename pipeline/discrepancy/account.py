@@ -7,6 +7,7 @@ import numpy as np
 from pipeline.discrepancy.locate import Located, locate
 from pipeline.discrepancy.next_experiment import Proposal, next_experiment
 from pipeline.discrepancy.result import Diagnosis, Evidence, Location, NextExperiment
+from pipeline.physics.force_units import position_behind, position_unit
 
 
 def with_account(
@@ -34,7 +35,8 @@ def with_account(
 def located_in(evidence: Evidence, residual: np.ndarray) -> tuple[Located, ...]:
     """Where a residual, shape (n,), of the rows that a fit may use lies, outliers among them.
 
-    It is looked for along the command, also where a simulation's trace drives the mechanism.
+    It is looked for along the command, also where a simulation's trace drives the mechanism; of a
+    force, along the position.
     """
     looked_at = np.where(evidence.train, residual, np.nan)
     recording = evidence.recording
@@ -43,5 +45,9 @@ def located_in(evidence: Evidence, residual: np.ndarray) -> tuple[Located, ...]:
     motion = replace(evidence.motion, drive=drive, others=others)
     unit = recording.channel(evidence.measurement).unit
     drive_unit = recording.channel(evidence.drive).unit
-    seen = evidence.before if motion.kinetics is None else np.zeros(len(motion))
+    seen = evidence.before
+    if motion.kinetics is not None:
+        seen = np.zeros(len(motion))
+        motion = replace(motion, drive=position_behind(motion.time_s, drive, drive_unit))
+        drive_unit = position_unit(drive_unit)
     return tuple(locate(looked_at, motion, seen, unit, drive_unit))

@@ -13,6 +13,7 @@ from pipeline.discrepancy.problem import (
     refuse_unfit,
 )
 from pipeline.physics.force_motion import force_motion
+from pipeline.physics.force_units import position_unit
 from pipeline.physics.kinematics import IdentityCurve
 from pipeline.physics.motion import Kinetics, Motion
 from pipeline.physics.term import Surroundings
@@ -81,7 +82,7 @@ def _surroundings(
         end_s=float(motion.time_s[-1]),
         cycles=len(np.unique(motion.cycle)),
         travel=float(np.abs(np.diff(motion.drive)).sum()),
-        drive_unit=recording.channel(position).unit,
+        drive_unit=position_unit(recording.channel(position).unit),
         angle_unit=recording.channel(measurement).unit,
         top_speed=float(np.quantile(np.abs(kinetics.velocity), TOP)),
         top_acceleration=float(np.quantile(np.abs(kinetics.acceleration), TOP)),

@@ -14,6 +14,7 @@ from pipeline.discrepancy.noise import NoiseModel
 from pipeline.discrepancy.result import Evidence
 from pipeline.discrepancy.ties import BENDS
 from pipeline.physics.differentiation import differentiate
+from pipeline.physics.force_units import position_behind
 from pipeline.physics.mechanism import Mechanism, Piece
 from pipeline.physics.motion import Kinetics, Motion
 
@@ -130,6 +131,7 @@ class Drive:
 
     leader: the command that drives most. weights: what each command adds to the drive, with
     `offset`, where a simulation's trace drives. beside: commands that terms see as other ones.
+    unit: the leader's.
     """
 
     leader: str
@@ -143,6 +145,7 @@ class Drive:
     begin_s: float
     cycle: int
     force: bool
+    unit: str
 
     @staticmethod
     def of(evidence: Evidence) -> "Drive":
@@ -170,6 +173,7 @@ class Drive:
             begin_s=float(motion.time_s[-1]),
             cycle=int(motion.cycle[-1]) + 1,
             force=motion.kinetics is not None,
+            unit=recording.channel(leader).unit,
         )
 
     def table(self, block: Block) -> pd.DataFrame:
@@ -193,6 +197,7 @@ class Drive:
         cycle = np.repeat(np.arange(len(block.segments)), [len(s.drive) for s in block.segments])
         kinetics = None
         if self.force:
+            drive = position_behind(table["time_s"].to_numpy(), drive, self.unit)
             found = differentiate(table["time_s"].to_numpy(), drive, np.inf)
             kinetics = Kinetics(found.velocity, found.acceleration, np.zeros(len(drive)))
         return Motion(

@@ -4,7 +4,13 @@ import numpy as np
 
 from pipeline.errors import LoopgapError, refusal
 from pipeline.physics.differentiation import Derivatives, differentiate
-from pipeline.physics.force_units import is_force, is_position
+from pipeline.physics.force_units import (
+    is_force,
+    is_position,
+    is_velocity,
+    position_behind,
+    position_unit,
+)
 from pipeline.physics.motion import Kinetics, Motion
 from pipeline.recording import Recording
 
@@ -17,17 +23,17 @@ def position_of(recording: Recording, measurement: str) -> str | None:
     """The command that a force was measured against; None where it is no force against motion.
 
     That is where the measurement has a unit of force, torque, voltage or current and a command one
-    of length or angle. Of several such commands it is the one whose name begins alike, or the
-    first.
+    of length or angle, or else of velocity. Of several such commands it is the one whose name
+    begins alike, or the first.
     """
     unit = recording.channel(measurement).unit
-    found = [
-        c.name
-        for c in recording.with_role("command")
-        if is_position(c.unit) and is_force(unit, c.unit)
-    ]
-    kin = [name for name in found if name.split("_")[0] == measurement.split("_")[0]]
-    return next(iter([*kin, *found]), None)
+    commands = [c for c in recording.with_role("command") if is_force(unit, position_unit(c.unit))]
+    for fits in (is_position, is_velocity):
+        found = [c.name for c in commands if fits(c.unit)]
+        kin = [name for name in found if name.split("_")[0] == measurement.split("_")[0]]
+        if found:
+            return [*kin, *found][0]
+    return None
 
 
 def force_motion(
@@ -35,12 +41,15 @@ def force_motion(
 ) -> tuple[Motion, Derivatives]:
     """The motion of the command `position` with its derivatives, see `differentiate`.
 
+    A command that is a velocity is integrated first, see `position_behind`.
     simulated: (n,) force of the simulation; where it says nothing of a row, a line between its
     neighbours stands (0 where it says nothing at all).
     """
     time_s = recording.values("time_s")
+    unit = recording.channel(position).unit
     try:
-        found = differentiate(time_s, recording.values(position), cutoff_hz)
+        way = position_behind(time_s, recording.values(position), unit)
+        found = differentiate(time_s, way, cutoff_hz)
     except ValueError as problem:
         raise MotionError(
             refusal(f"command {position!r}", f"{problem}, to differentiate it",

@@ -1,4 +1,7 @@
-"""Which units measure a force and which a position."""
+"""Which units measure a force, which a position, and which a velocity."""
+
+import numpy as np
+from scipy.integrate import cumulative_trapezoid
 
 FORCES = frozenset({
     "N", "n", "kN", "kn", "mN", "mn", "MN", "uN", "daN", "kgf", "gf", "lbf",
@@ -7,6 +10,10 @@ FORCES = frozenset({
 })  # fmt: skip
 LENGTHS = frozenset({"m", "mm", "cm", "um", "µm", "in", "inch"})
 ANGLES = frozenset({"deg", "°", "rad", "mrad", "rev", "turn", "turns", "qc", "counts"})
+PER_SECOND = {
+    "m/s": ("m", 1.0), "mm/s": ("mm", 1.0), "cm/s": ("cm", 1.0), "um/s": ("um", 1.0),
+    "in/s": ("in", 1.0), "deg/s": ("deg", 1.0), "rad/s": ("rad", 1.0), "rpm": ("rev", 1.0 / 60.0),
+}  # fmt: skip
 LOWER_TORQUE = "nm"
 
 
@@ -18,3 +25,23 @@ def is_force(unit: str, position_unit: str) -> bool:
 def is_position(unit: str) -> bool:
     """Whether a unit is one of length or angle."""
     return unit in LENGTHS or unit in ANGLES
+
+
+def is_velocity(unit: str) -> bool:
+    """Whether a unit is one of velocity, of a length or an angle."""
+    return unit in PER_SECOND
+
+
+def position_unit(unit: str) -> str:
+    """The unit of the position behind a command: its own, or what a velocity's integral has."""
+    return PER_SECOND[unit][0] if is_velocity(unit) else unit
+
+
+def position_behind(time_s: np.ndarray, command: np.ndarray, unit: str) -> np.ndarray:
+    """The position (n,) behind a command (n,): the command, or a velocity's trapezoid integral.
+
+    The integral begins at 0.
+    """
+    if not is_velocity(unit):
+        return command
+    return PER_SECOND[unit][1] * np.asarray(cumulative_trapezoid(command, time_s, initial=0.0))

@@ -6,6 +6,7 @@ from pipeline.config import SimulationConfig
 from pipeline.errors import UsageError, refusal
 from pipeline.physics.assembly import pieces_of
 from pipeline.physics.force_motion import force_motion
+from pipeline.physics.force_units import position_unit
 from pipeline.physics.mechanism import Mechanism
 from pipeline.physics.term import Surroundings
 from pipeline.recording import Recording
@@ -39,7 +40,7 @@ def force_answer(
         angle_span=BOUNDLESS,
         top_speed=float(np.max(np.abs(found.velocity))),
         top_acceleration=float(np.max(np.abs(found.acceleration))),
-        drive_unit=recording.channel(position).unit,
+        drive_unit=position_unit(recording.channel(position).unit),
         angle_unit=recording.channel(name).unit,
     )
     pieces = pieces_of(axis.terms, around)

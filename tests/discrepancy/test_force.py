@@ -161,10 +161,31 @@ def test_a_rounded_loop_of_another_form_is_dry_friction_and_the_rest_is_said():
     assert diagnosis.after.heldout_rmse < 0.08 * diagnosis.before.heldout_rmse
 
 
+def test_a_velocity_command_is_integrated():
+    t, x, rng = motion()
+    v = CubicSpline(t, x)(t, 1)
+    force = dahl(t, x, 30.0, 4e-4) + rng.normal(0.0, 0.5, len(t))
+    channels = (
+        Channel("velocity_mm_s", "command", "mm/s"),
+        Channel("force_n", "measurement", "N"),
+    )
+    table = pd.DataFrame({"time_s": t, "velocity_mm_s": 1e3 * v, "force_n": force})
+    plain = Recording(with_context(table, channels), channels, "simulated")
+    result = diagnose(DiagnosisConfig(), simulate(SimulationConfig("mechanism"), plain))
+    assert [p.name for p in result.diagnoses[0].physics] == ["coulomb_friction"]
+    found = parameters(result.diagnoses[0])
+    assert found["coulomb_friction.force"].value == pytest.approx(30.0, abs=0.3)
+    reach = found["coulomb_friction.reach"]
+    assert (reach.unit, reach.value) == ("mm", pytest.approx(0.4, abs=0.04))
+    said = predict(result.models, plain)["force_n_predicted"].to_numpy()
+    assert np.sqrt(np.mean((said - force)[20:-20] ** 2)) < 0.6
+
+
 @pytest.mark.parametrize(
     ("force", "position", "is_one"),
     [("N", "m", True), ("kN", "mm", True), ("Nm", "rad", True), ("A", "deg", True),
-     ("V", "m", True), ("N", "N", False), ("deg", "deg", False), ("m", "N", False)],
+     ("V", "m", True), ("N", "m/s", True), ("A", "rpm", True),
+     ("N", "N", False), ("deg", "deg", False), ("m", "N", False)],
 )  # fmt: skip
 def test_a_force_against_motion_is_known_by_its_units(force, position, is_one):
     plain = recording(np.arange(9.0), np.arange(9.0), force, position)
