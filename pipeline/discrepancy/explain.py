@@ -61,7 +61,7 @@ def explain(problem: Problem) -> Explanation:
     off = np.where(problem.train, problem.measured - problem.simulated, np.nan)
     outliers = isolated(off, problem.train, prior.finest) & ~turning(problem)
     used = problem.train & settled & ~outliers
-    search = Search(candidates, effects, noise_family(prior, problem.cycle, used))
+    search = Search(candidates, effects, noise_family(prior, problem, used))
     ground = ground_of(problem, prior.model, used)
     base = search.weighed(evaluate(ground, ()), (0, 0, 0))
     if within_accuracy(base, used):
@@ -71,7 +71,7 @@ def explain(problem: Problem) -> Explanation:
     found = mistaken_rows(problem, choices[0], prior)
     if not np.array_equal(found, outliers):
         used = problem.train & settled & ~found
-        search = Search(candidates, effects, noise_family(prior, problem.cycle, used))
+        search = Search(candidates, effects, noise_family(prior, problem, used))
         choices = choose_again(search, ground_of(problem, prior.model, used), choices)
     choices = searched_wide(search, polished(search, choices))
     if prior.repeats == 0 and problem.derivatives is None:

@@ -58,7 +58,11 @@ class Ground:
 
     @cached_property
     def gains(self) -> np.ndarray:
-        return self.noise.gains(self.problem.cycle, self.used)
+        return self.noise.gains(self.problem.cycle, self.used, self.problem.motion.stands)
+
+    @cached_property
+    def kept(self) -> np.ndarray:
+        return self.noise.kept(self.problem.motion.stands)
 
     @cached_property
     def log_scale(self) -> float:
@@ -72,7 +76,7 @@ class Ground:
     def whiten(self, columns: np.ndarray) -> np.ndarray:
         """Columns (n, m) as independent unit innovations on the used rows, (count, m)."""
         filled = np.ascontiguousarray(columns)
-        return whitened(filled, self.gains, self.noise.correlation, self.problem.cycle)
+        return whitened(filled, self.gains, self.kept, self.problem.cycle)
 
     @cached_property
     def data(self) -> np.ndarray:

@@ -232,7 +232,8 @@ def separation(
     slopes: (n, p) of the answer for one usual size of each parameter that may be refitted.
     """
     used = np.ones(len(difference), dtype=bool)
-    white = noise.whiten(np.column_stack([difference, slopes]), motion.cycle, used)
+    columns = np.column_stack([difference, slopes])
+    white = noise.whiten(columns, motion.cycle, used, motion.stands)
     free = np.vstack([white[:, 1:], np.eye(slopes.shape[1]) / FREEDOM])
     target = np.concatenate([white[:, 0], np.zeros(slopes.shape[1])])
     refit = np.linalg.lstsq(free, target, rcond=None)[0]

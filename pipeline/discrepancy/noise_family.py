@@ -7,10 +7,13 @@ import numpy as np
 
 from pipeline.discrepancy.noise import NoiseModel, whitened
 from pipeline.discrepancy.noise_learning import NoisePrior
+from pipeline.discrepancy.problem import Problem
 
 JITTERS = (0.0, 0.08, 0.16, 0.3, 0.6, 1.2)
 WALKS = (0.0, 0.004, 0.01, 0.017, 0.028, 0.045, 0.08, 0.15)
 SHAPES = ((0.0, 0.0), (1.0, 0.35), (1.0, 0.5), (1.0, 0.65), (1.0, 0.78), (0.5, 0.8))
+SETTLED = (0.5, 0.9, 0.97, 0.99, 0.997)
+STANDING = 0.02
 CAP = 16.0
 MIDDLE = 3
 MIDDLE_WALK = 4
@@ -18,6 +21,10 @@ JITTER_COST = 0.5
 WALK_COST = 1.0
 
 Place = tuple[int, int, int]
+Shape = tuple[float, float, bool]
+Filter = tuple[np.ndarray, np.ndarray, float, np.ndarray]
+"""Gains, what is kept from row to row, the sum of the innovations' log variances, and a constant
+whitened to length 1 (used rows,)."""
 UNREPEATED = 12.0  # where nothing repeats, a zero that moves is charged like the drift it hides
 
 
@@ -25,39 +32,38 @@ UNREPEATED = 12.0  # where nothing repeats, a zero that moves is charged like th
 class NoiseFamily:
     """Noises of unit deviation on the rows of one problem; `pick` finds the likeliest.
 
-    prior: as learnt. used: (n,) rows that count. shapes: (share of the variance that is correlated,
-    correlation); strain: (shapes, walks) -2 log of how much worse repeats fit each, at most CAP.
+    prior: as learnt. used: (n,) rows that count; stands: (n,) those in which all commands stand.
+    shapes: (share of the variance that is correlated, correlation, whether that part settles where
+    commands stand); strain: (shapes, walks) -2 log of how much worse repeats fit each, at most CAP.
     still: whether the noise keeps the shape of the first, without jitter or walk.
     """
 
     prior: NoisePrior
     cycle: np.ndarray
     used: np.ndarray
-    shapes: Sequence[tuple[float, float]]
+    stands: np.ndarray
+    shapes: Sequence[Shape]
     strain: np.ndarray
     still: bool = False
-    filters: dict[Place, tuple[np.ndarray, float, np.ndarray]] = field(default_factory=dict)
+    filters: dict[Place, Filter] = field(default_factory=dict)
 
     def unit(self, place: Place) -> NoiseModel:
         """The noise at a place of the grid, its deviation 1."""
-        share, correlation = self.shapes[place[0]]
+        share, correlation, settles = self.shapes[place[0]]
         return NoiseModel(
             np.sqrt(max(1.0 - share, 1e-6)), np.sqrt(share), correlation,
-            JITTERS[place[1]], WALKS[place[2]], self.prior.model.spell,
+            JITTERS[place[1]], WALKS[place[2]], self.prior.model.spell, settles,
         )  # fmt: skip
 
-    def filter_at(self, place: Place) -> tuple[np.ndarray, float, np.ndarray]:
-        """Gains, sum of the log variances of the innovations, and a constant whitened to length 1.
-
-        The latter is (used rows,).
-        """
+    def filter_at(self, place: Place) -> Filter:
+        """How a residual is whitened and weighed at a place of the grid."""
         if place not in self.filters:
             unit = self.unit(place)
-            gains = unit.gains(self.cycle, self.used)
+            gains, kept = unit.gains(self.cycle, self.used, self.stands), unit.kept(self.stands)
             level = np.where(self.used, 1.0, 0.0)[:, None]
-            level = whitened(level, gains, unit.correlation, self.cycle)[:, 0]
+            level = whitened(level, gains, kept, self.cycle)[:, 0]
             log_scales = 2.0 * float(np.sum(np.log(gains[self.used, 3])))
-            self.filters[place] = gains, log_scales, level / np.sqrt(level @ level)
+            self.filters[place] = gains, kept, log_scales, level / np.sqrt(level @ level)
         return self.filters[place]
 
     def weigh(
@@ -67,12 +73,12 @@ class NoiseFamily:
 
         level_open: at the likeliest level of the residual, too: a walk starts from its first rows.
         """
-        gains, log_scales, level = self.filter_at(place)
-        unit = self.unit(place)
-        e = whitened(residual[:, None], gains, unit.correlation, self.cycle)[:, 0]
+        gains, kept, log_scales, level = self.filter_at(place)
+        spell = self.prior.model.spell
+        e = whitened(residual[:, None], gains, kept, self.cycle)[:, 0]
         if level_open:
             e = e - level * (level @ e)
-        n = len(e) / unit.spell
+        n = len(e) / spell
         square = float(e @ e)
         sure, learnt = self.prior.sure, np.log(self.prior.model.deviation)
         least = np.log(self.prior.finest)
@@ -83,7 +89,7 @@ class NoiseFamily:
             log_scale -= slope / (4 * square * np.exp(-2 * log_scale) + 2 / sure**2)
             log_scale = max(log_scale, least)
         cost = square * np.exp(-2 * log_scale) + 2 * n * log_scale
-        cost += log_scales / unit.spell
+        cost += log_scales / spell
         off = abs(log_scale - learnt) / sure
         cost += off**2 if off < 2.0 else 4.0 * (off - 1.0)
         repeat = self.prior.repeats > 0
@@ -147,16 +153,23 @@ class NoiseFamily:
         )
 
 
-def noise_family(prior: NoisePrior, cycle: np.ndarray, used: np.ndarray) -> NoiseFamily:
-    """The family round what was learnt from repeats."""
-    model = prior.model
+def noise_family(prior: NoisePrior, problem: Problem, used: np.ndarray) -> NoiseFamily:
+    """The family round what was learnt from repeats, on the used rows (n,) of a problem.
+
+    Where cycles repeat and commands stand for some samples, noise may also be where the joint came
+    to rest; where nothing repeats, that can't be told from what a term leaves.
+    """
+    model, cycle, stands = prior.model, problem.cycle, problem.motion.stands
     if model.spell > 1.0:
         strain = np.zeros((1, len(WALKS)))
-        return NoiseFamily(prior, cycle, used, ((0.0, 0.0),), strain, still=True)
+        return NoiseFamily(prior, cycle, used, stands, ((0.0, 0.0, False),), strain, still=True)
     share = model.correlated**2 / max(model.deviation**2, 1e-300)
-    shapes = [(float(min(share, 1.0)), model.correlation), *SHAPES]
+    shapes = [(float(min(share, 1.0)), model.correlation, False)]
+    shapes += [(*shape, False) for shape in SHAPES]
+    if prior.repeats > 0 and np.mean(stands[used]) > STANDING:
+        shapes += [(settled, 0.0, True) for settled in SETTLED]
     strain = np.zeros((len(shapes), len(WALKS)))
     if prior.series:
-        strain = np.array([[prior.strain(*shape, walk) for walk in WALKS] for shape in shapes])
+        strain = np.array([[prior.strain(shape, walk) for walk in WALKS] for shape in shapes])
         strain = np.minimum(strain - strain.min(), CAP)
-    return NoiseFamily(prior, cycle, used, shapes, strain)
+    return NoiseFamily(prior, cycle, used, stands, shapes, strain)

@@ -11,6 +11,7 @@ from scipy.optimize import minimize
 from pipeline.discrepancy.force_noise import noise_of_force
 from pipeline.discrepancy.noise import NoiseModel, whitened
 from pipeline.discrepancy.problem import Problem
+from pipeline.physics.motion import Motion
 
 SAME_COMMAND, REACH, ENOUGH_IN_COMMON = 1e-3, 6, 0.8
 APART = 60
@@ -25,8 +26,9 @@ class NoisePrior:
     """What is known of the noise before the fit.
 
     model: the likeliest. repeats: how many cycles it was learnt from. sure: how sure its deviation
-    is (log scale). series: the contrasts it was learnt from, zero-mean, NaN where missing.
-    finest: least deviation that counts as noise [measurement's unit].
+    is (log scale). series: the contrasts it was learnt from, zero-mean, NaN where missing; stands:
+    of each, where all commands stand. finest: least deviation that counts as noise [measurement's
+    unit].
     """
 
     model: NoiseModel
@@ -34,23 +36,28 @@ class NoisePrior:
     sure: float
     series: tuple[np.ndarray, ...]
     finest: float = 1e-9
+    stands: tuple[np.ndarray, ...] = ()
 
     @cached_property
     def _contrasts(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
         return _joined(self.series)
 
-    def strain(self, share: float, correlation: float, walk: float) -> float:
+    def strain(self, shape: tuple[float, float, bool], walk: float) -> float:
         """-2 log likelihood of the contrasts for a shape of noise, at its likeliest scale.
 
+        shape: share of the variance that is correlated, correlation, and whether that part settles.
         walk: of its step, over the deviation.
         """
         joined, cycle, used, _ = self._contrasts
-        shape = NoiseModel(
-            np.sqrt(max(1.0 - share, 1e-6)), np.sqrt(share), correlation, FREE_LEVEL, walk
-        )
-        gains = shape.gains(cycle, used)
+        share, correlation, settles = shape
+        noise = NoiseModel(
+            np.sqrt(max(1.0 - share, 1e-6)), np.sqrt(share), correlation, FREE_LEVEL, walk,
+            settles=settles,
+        )  # fmt: skip
+        stands = _gapped(self.stands, False) if settles else np.zeros(len(joined), dtype=bool)
+        gains = noise.gains(cycle, used, stands)
         values = np.where(used, joined, 0.0)[:, None]
-        e = whitened(values, gains, correlation, cycle)[:, 0]
+        e = whitened(values, gains, noise.kept(stands), cycle)[:, 0]
         n = max(int(used.sum()) - len(self.series), 1)
         return n * float(np.log(max(e @ e, 1e-300) / n)) + 2 * float(np.sum(np.log(gains[used, 3])))
 
@@ -67,11 +74,12 @@ def learn_noise(problem: Problem) -> NoisePrior:
         return NoisePrior(model, 0, UNSURE, (), FINEST * problem.around.angle_span)
     residual = np.where(problem.train, problem.measured - problem.simulated, np.nan)
     groups = repeated_cycles(problem)
-    series = tuple(s for rows in groups for s in contrasts(residual, rows))
+    found = [(s, stands_in(problem.motion, r)) for r in groups for s in contrasts(residual, r)]
+    series, stands = tuple(s for s, _ in found), tuple(still for _, still in found)
     finest = FINEST * problem.around.angle_span
     if sum(np.isfinite(s).sum() for s in series) >= 60:
         repeats = sum(len(g) for g in groups)
-        return NoisePrior(fit_noise(series, finest), repeats, SURE, series, finest)
+        return NoisePrior(fit_noise(series, finest), repeats, SURE, series, finest, stands)
     rough = (rough_part(residual, problem),)
     return NoisePrior(fit_noise(rough, finest), 0, UNSURE, (), finest)
 
@@ -171,6 +179,11 @@ def contrasts(residual: np.ndarray, rows: np.ndarray) -> list[np.ndarray]:
     return out
 
 
+def stands_in(motion: Motion, rows: np.ndarray) -> np.ndarray:
+    """Where all commands stand in cycles (repeats, steps) of row numbers, -1 for none, (steps,)."""
+    return np.asarray(np.any(motion.stands[rows] & (rows >= 0), axis=0))
+
+
 def rough_part(residual: np.ndarray, problem: Problem) -> np.ndarray:
     """What a local line over neighbouring samples leaves of the residual, scaled to full size."""
     out = np.full(len(residual), np.nan)
@@ -184,13 +197,17 @@ def rough_part(residual: np.ndarray, problem: Problem) -> np.ndarray:
 
 def _joined(series: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
     """All series in a row with gaps between, their numbers, what is used, their deviation."""
-    gap = np.full(APART, np.nan)
-    joined = np.concatenate([part for s in series for part in (s, gap)])
+    joined = _gapped(series, np.nan)
     number = np.concatenate([np.full(len(s) + APART, k) for k, s in enumerate(series)])
     used = np.isfinite(joined)
     scale = robust_deviation(joined[used])
     used &= np.abs(np.where(used, joined, 0.0)) < 5.0 * scale
     return joined, number, used, scale
+
+
+def _gapped(series: Sequence[np.ndarray], gap: float) -> np.ndarray:
+    """All series in a row, each followed by a gap."""
+    return np.concatenate([part for s in series for part in (s, np.full(APART, gap, s.dtype))])
 
 
 def fit_noise(series: Sequence[np.ndarray], finest: float = 1e-9) -> NoiseModel:
@@ -212,7 +229,7 @@ def fit_noise(series: Sequence[np.ndarray], finest: float = 1e-9) -> NoiseModel:
 def _likeliest(
     start: NoiseModel, values: np.ndarray, cycle: np.ndarray, used: np.ndarray, scale: float
 ) -> tuple[float, NoiseModel]:
-    walks = start.walk > 0.0
+    walks, moving = start.walk > 0.0, np.zeros(len(values), dtype=bool)
 
     def model_of(x: np.ndarray) -> NoiseModel:
         return NoiseModel(
@@ -224,7 +241,7 @@ def _likeliest(
         )
 
     def cost(x: np.ndarray) -> float:
-        likely = model_of(x).log_likelihood(np.where(used, values, 0.0), cycle, used)
+        likely = model_of(x).log_likelihood(np.where(used, values, 0.0), cycle, used, moving)
         far = (
             0.5 * ((x[2] - 0.5) / 2.0) ** 2
             + 0.5 * (np.maximum(-8 - (x - np.log(scale)), 0)[:2] ** 2).sum()

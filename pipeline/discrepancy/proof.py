@@ -46,7 +46,8 @@ def disproved(
         return structure
     noise = choice.fit.ground.noise
     used = counted & settled_rows(problem, explanation.prior) & (problem.train | problem.heldout)
-    gain, likely = comes_back(off, problem.cycle, used, noise.jitter, SLOW_CORRELATION)
+    stands = problem.motion.stands
+    gain, likely = comes_back(off, problem.cycle, used, stands, noise, SLOW_CORRELATION)
     large = likely.correlated > SMALLEST_SIZE * noise.deviation
     if not (large and likely.correlation > SLOW_CORRELATION and gain > -2.0 * np.log(CHANCE)):
         return structure

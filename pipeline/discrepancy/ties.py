@@ -146,8 +146,11 @@ def in_step(problem: Problem) -> bool:
 
 
 def other_dwells(problem: Problem) -> float:
-    """Share of the training rows that were waited for much longer or shorter than usual."""
-    return _unusual(np.diff(problem.motion.time_s)[problem.train[1:]])
+    """Share of the training rows whose command had been held much longer or shorter than usual."""
+    time_s, moved = problem.motion.time_s, ~problem.motion.stands
+    last = np.flatnonzero(moved)[np.cumsum(moved) - 1]
+    held_s = time_s - time_s[np.maximum(last - 1, 0)]
+    return _unusual(held_s[1:][problem.train[1:]])
 
 
 def other_steps(problem: Problem) -> float:

@@ -70,6 +70,13 @@ class Motion:
         """Time that each command had before its sample was taken, (n,); none the first."""
         return np.diff(self.time_s, prepend=self.time_s[:1])
 
+    @cached_property
+    def stands(self) -> np.ndarray:
+        """Whether all commands are what they were one sample before, (n,); not the first."""
+        out = np.zeros(len(self.drive), dtype=bool)
+        out[1:] = np.all([np.diff(u) == 0.0 for u in (self.drive, *self.others.values())], axis=0)
+        return out
+
     def rows(self, part: slice | np.ndarray) -> "Motion":
         """The same motion over some of its samples (a slice or indices)."""
         return replace(

@@ -33,7 +33,7 @@ def fitted(seed: int, hidden=HIDDEN, begun=BEGUN, **how):
 
 def widened(fit):
     problem = fit.ground.problem
-    family = noise_family(learn_noise(problem), problem.cycle, fit.ground.used)
+    family = noise_family(learn_noise(problem), problem, fit.ground.used)
     return wide_covariance(fit, (0, 0, 0), family)
 
 

@@ -126,7 +126,8 @@ def test_the_separation_holds_in_noise_that_refitting_meets() -> None:
         fits = []
         for answer in (truth, other):
             free = np.column_stack([answer, np.ones(len(motion))])
-            white = NOISE.whiten(np.column_stack([truth + noise, free]), motion.cycle, used)
+            columns = np.column_stack([truth + noise, free])
+            white = NOISE.whiten(columns, motion.cycle, used, motion.stands)
             fits.append(np.linalg.lstsq(white[:, 1:], white[:, 0], rcond=None)[1][0])
         wins += fits[1] - fits[0] > 9.0
     assert wins >= 38

@@ -8,38 +8,46 @@ from pipeline.config import DiagnosisConfig
 from pipeline.discrepancy.noise import NoiseModel
 from pipeline.discrepancy.noise_family import WALKS, noise_family
 from pipeline.discrepancy.noise_learning import NoisePrior, fit_noise, learn_noise
-from pipeline.discrepancy.problem import pose_problem
+from pipeline.discrepancy.problem import Problem, pose_problem
 from pipeline.recording import Recording
 from tests.discrepancy.made import NOISE, recorded
 
 
-def covariance(model: NoiseModel, cycle: np.ndarray) -> np.ndarray:
+def posed(recording: Recording) -> Problem:
+    simulated = recording.values("pitch_angle_sim_deg")
+    return pose_problem(DiagnosisConfig(), recording, "pitch_angle_deg", simulated)
+
+
+def covariance(model: NoiseModel, cycle: np.ndarray, stands: np.ndarray) -> np.ndarray:
     i = np.arange(len(cycle))
+    moves = np.cumsum(~(stands & model.settles))
     return (
         model.white**2 * np.eye(len(i))
-        + model.correlated**2 * model.correlation ** np.abs(i[:, None] - i)
+        + model.correlated**2 * model.correlation ** np.abs(moves[:, None] - moves)
         + model.jitter**2 * (cycle[:, None] == cycle)
         + model.walk**2 * np.minimum(i[:, None], i)
     )
 
 
-def test_likelihood_is_that_of_the_full_covariance_with_rows_missing():
+@pytest.mark.parametrize("settles", [False, True])
+def test_likelihood_is_that_of_the_full_covariance_with_rows_missing(settles):
     rng = np.random.default_rng(0)
     cycle = np.arange(60) // 20
-    used = rng.random(60) > 0.2
-    model = NoiseModel(0.2, 0.3, 0.7, 0.4, 0.1)
+    used, stands = rng.random(60) > 0.2, rng.random(60) > 0.4
+    model = NoiseModel(0.2, 0.3, 0.7, 0.4, 0.1, settles=settles)
     y = rng.normal(size=60)
-    full = covariance(model, cycle)[np.ix_(used, used)]
+    full = covariance(model, cycle, stands)[np.ix_(used, used)]
     exact = multivariate_normal(np.zeros(int(used.sum())), full).logpdf(y[used])
-    assert model.log_likelihood(y, cycle, used) == pytest.approx(exact, rel=1e-9)
+    assert model.log_likelihood(y, cycle, used, stands) == pytest.approx(exact, rel=1e-9)
 
 
 def test_whitened_noise_is_white():
     rng = np.random.default_rng(1)
     cycle = np.arange(400) // 100
     model = NoiseModel(0.1, 0.3, 0.8, 0.2, 0.02)
-    noise = np.linalg.cholesky(covariance(model, cycle)) @ rng.normal(size=(400, 40))
-    white = model.whiten(noise, cycle, np.ones(400, dtype=bool))
+    moving = np.zeros(400, dtype=bool)
+    noise = np.linalg.cholesky(covariance(model, cycle, moving)) @ rng.normal(size=(400, 40))
+    white = model.whiten(noise, cycle, np.ones(400, dtype=bool), moving)
     assert np.var(white) == pytest.approx(1.0, abs=0.03)
     assert abs(np.mean(white[1:] * white[:-1])) < 0.02
 
@@ -48,7 +56,8 @@ def test_whitened_noise_is_white():
 def test_noise_is_learnt_from_series(white, correlated, phi):
     rng = np.random.default_rng(2)
     cycle = np.zeros(200, dtype=int)
-    root = np.linalg.cholesky(covariance(NoiseModel(white, correlated, phi), cycle))
+    moving = np.zeros(200, dtype=bool)
+    root = np.linalg.cholesky(covariance(NoiseModel(white, correlated, phi), cycle, moving))
     series = [s - s.mean() for s in (root @ rng.normal(size=(200, 5))).T]
     assert fit_noise(series).deviation == pytest.approx(np.hypot(white, correlated), rel=0.15)
 
@@ -59,20 +68,16 @@ def test_noise_is_learnt_from_series(white, correlated, phi):
     ids=lambda h: next(iter(h)),
 )
 def test_physics_is_no_noise(hidden):
-    recording = recorded(hidden, noise=0.2, seed=3)
-    problem = pose_problem(
-        DiagnosisConfig(), recording, "pitch_angle_deg", recording.values("pitch_angle_sim_deg")
-    )
-    prior = learn_noise(problem)
+    prior = learn_noise(posed(recorded(hidden, noise=0.2, seed=3)))
     assert prior.repeats == 4
     assert prior.model.deviation == pytest.approx(0.2, rel=0.12)
 
 
 def test_a_walk_is_picked_from_any_level():
     rng = np.random.default_rng(4)
-    cycle = np.arange(1200) // 200
+    problem = posed(recorded({}, cycles=10))
     prior = NoisePrior(NoiseModel(0.2), 4, 0.08, ())
-    family = noise_family(prior, cycle, np.ones(1200, dtype=bool))
+    family = noise_family(prior, problem, np.ones(1200, dtype=bool))
     residual = 0.2 * rng.normal(size=1200) + np.cumsum(0.2 * 0.03 * rng.normal(size=1200))
     noise, place = family.pick(residual - residual.mean(), (0, 0, 0))
     assert WALKS[place[2]] == pytest.approx(0.03, rel=0.7)
@@ -85,9 +90,9 @@ def test_a_walk_in_repeats_is_no_slow_correlation():
     walks = np.cumsum(0.2 * 0.08 * rng.normal(size=(200, 6)), axis=0)
     series = [s - s.mean() for s in (0.2 * rng.normal(size=(200, 6)) + walks).T]
     prior = NoisePrior(NoiseModel(0.2), 6, 0.08, tuple(series))
-    walking = min(prior.strain(0.0, 0.0, w) for w in WALKS)
-    assert walking < prior.strain(0.0, 0.0, 0.0) - 10.0
-    assert walking < min(prior.strain(s, 0.95, 0.0) for s in (0.03, 0.1, 0.3)) + 3.0
+    walking = min(prior.strain((0.0, 0.0, False), w) for w in WALKS)
+    assert walking < prior.strain((0.0, 0.0, False), 0.0) - 10.0
+    assert walking < min(prior.strain((s, 0.95, False), 0.0) for s in (0.03, 0.1, 0.3)) + 3.0
 
 
 def test_cycles_that_lack_rows_still_repeat():
@@ -95,7 +100,21 @@ def test_cycles_that_lack_rows_still_repeat():
     left = np.random.default_rng(3).random(len(whole.samples)) > 0.05
     lacking = Recording(whole.samples[left].reset_index(drop=True), whole.channels, "simulated")
     for recording in (whole, lacking):
-        sim = recording.values("pitch_angle_sim_deg")
-        prior = learn_noise(pose_problem(DiagnosisConfig(), recording, "pitch_angle_deg", sim))
+        prior = learn_noise(posed(recording))
         assert prior.repeats == 4
         assert prior.model.deviation == pytest.approx(NOISE, rel=0.1)
+
+
+def test_a_joint_that_comes_to_rest_anew_with_each_move_is_noise():
+    rng = np.random.default_rng(6)
+    recording = recorded({}, noise=0.0, gain=1.0)
+    stairs = [c.name for c in recording.channels] + ["step"]
+    samples = recording.samples.copy()
+    samples[stairs] = samples[stairs].to_numpy()[np.arange(len(samples)) // 5 * 5]
+    beside = np.repeat(rng.normal(size=len(samples) // 5), 5)
+    samples["pitch_angle_deg"] += 0.2 * beside + 0.03 * rng.normal(size=len(samples))
+    problem = posed(Recording(samples, recording.channels, "simulated"))
+    family = noise_family(learn_noise(problem), problem, problem.train)
+    noise, _ = family.pick(problem.measured - problem.simulated - 0.4, (0, 0, 0))
+    assert noise.settles
+    assert (noise.correlated, noise.white) == pytest.approx((0.2, 0.03), rel=0.2)

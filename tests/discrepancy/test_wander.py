@@ -3,11 +3,13 @@
 import numpy as np
 import pytest
 
+from pipeline.discrepancy.noise import NoiseModel
 from pipeline.discrepancy.wander import comes_back
 
 ROWS, SLOWEST = 2700, 0.87
 CYCLE = np.repeat(np.arange(9), ROWS // 9)
 USED = np.arange(ROWS) % 11 > 0
+MOVING = np.zeros(ROWS, dtype=bool)
 
 
 def slow(correlation: float, rng: np.random.Generator) -> np.ndarray:
@@ -20,7 +22,7 @@ def slow(correlation: float, rng: np.random.Generator) -> np.ndarray:
 @pytest.mark.parametrize("seed", range(3))
 def test_what_keeps_to_a_level_is_no_walk(seed):
     rng = np.random.default_rng(seed)
-    gain, likely = comes_back(slow(0.93, rng), CYCLE, USED, 0.0, SLOWEST)
+    gain, likely = comes_back(slow(0.93, rng), CYCLE, USED, MOVING, NoiseModel(1.0), SLOWEST)
     assert gain > 23.0  # 1e-5 by chance
     assert likely.correlation == pytest.approx(0.93, abs=0.03)
 
@@ -31,4 +33,4 @@ def test_what_keeps_to_a_level_is_no_walk(seed):
 def test_a_walk_of_any_size_on_quick_noise_is_one(seed, correlation, walk):
     rng = np.random.default_rng(seed)
     residual = slow(correlation, rng) + walk * np.cumsum(rng.normal(size=ROWS))
-    assert comes_back(residual, CYCLE, USED, 0.0, SLOWEST)[0] < 4.0
+    assert comes_back(residual, CYCLE, USED, MOVING, NoiseModel(1.0), SLOWEST)[0] < 4.0
