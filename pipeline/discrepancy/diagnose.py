@@ -22,6 +22,7 @@ from pipeline.discrepancy.notes import accuracy_note, notes, smooth_error
 from pipeline.discrepancy.outliers import isolated
 from pipeline.discrepancy.problem import Problem, thinned
 from pipeline.discrepancy.proof import disproved, root_mean
+from pipeline.discrepancy.refit import likeliest, refitted
 from pipeline.discrepancy.result import (
     Calibration,
     Diagnosis,
@@ -66,6 +67,8 @@ def diagnose_measurement(
     rivals = tuple(h for h in hypotheses if set(h.names) != set(best.fit.names))
     model = model_of(measurement, problem, best, covariance, structure.wandering)
     model = replace(model, rivals=rivals)
+    if not (structure.found or accurate):
+        model = going_on(model, problem, explanation, best)
     evidence = evidence_of(recording, measurement, problem, explanation, model, hypotheses)
     physics = () if accurate else named_physics(explanation, best, evidence, structure, covariance)
     noise = model.noise if structure.wandering is None else best.fit.ground.noise
@@ -127,10 +130,13 @@ def calibration_of(problem: Problem, choice: Choice) -> Calibration:
     )
 
 
-def reduced(problem: Problem) -> tuple[Problem, int]:
-    """The problem on as many rows as a fit needs, and how many samples stand behind each."""
+def reduced(problem: Problem, whole: bool = False) -> tuple[Problem, int]:
+    """The problem on as many rows as a fit needs, and how many samples stand behind each.
+
+    whole: up to its last row, even where that is held out.
+    """
     if problem.derivatives is None:
-        return thinned(problem)
+        return thinned(problem, whole)
     return averaged(problem)
 
 
@@ -158,6 +164,19 @@ def model_of(
         simulated=problem.motion.kinetics is None or problem.around.simulated,
         delay_s=problem.delay.value,
         zero=None if wandering else zero_at_end(problem, choice.fit),
+    )
+
+
+def going_on(
+    model: CorrectedModel, problem: Problem, explanation: Explanation, choice: Choice
+) -> CorrectedModel:
+    """The model with what foretells the rows after the recording."""
+    after = refitted(reduced(problem, whole=True)[0], explanation, likeliest(explanation, choice))
+    return replace(
+        model,
+        zero=zero_at_end(problem, after.fit),
+        later=mechanism_of(problem, after),
+        lasted_s=float(problem.motion.time_s[-1] - problem.motion.time_s[0]),
     )
 
 

@@ -48,7 +48,8 @@ class CorrectedModel:
     simulation of the measurement. covariance: of gain, offset, bends and all term parameters in
     their order. noise: of one measured sample. force: whether a force against the motion of `drive`
     is measured; simulated: whether a simulation says part of it; delay_s: how much later than its
-    motion it is recorded. rivals: the other explanations. zero: where it stood at the end.
+    motion it is recorded. rivals: the other explanations. later: what answers once the recording's
+    `lasted_s` are over, held-out rows having been fitted too; zero: where it stood then.
     """
 
     measurement: str
@@ -64,20 +65,25 @@ class CorrectedModel:
     delay_s: float = 0.0
     rivals: tuple[Hypothesis, ...] = ()
     zero: WalkedZero | None = None
+    later: Mechanism | None = None
+    lasted_s: float = np.inf
 
     def predict(self, motion: Motion) -> tuple[np.ndarray, np.ndarray]:
         """Expected measurement and its standard deviation, each (n,), from the motion alone.
 
         The deviation holds the noise, the walk since the first sample, what the parameters leave
         open and how far the rivals, by their probabilities, expect something else; the motion is
-        taken to begin where the model's recording began. After that recording's end, a zero that
-        walks goes on from where it stood then.
+        taken to begin where the model's recording began. After that recording's end, all its rows
+        have been learnt from, and a zero that walks goes on from where it stood then.
         """
         expected = self.mechanism.respond(motion)[0]
         slopes = np.column_stack(self._slopes(motion, expected))
         open_variance = np.maximum(np.einsum("ij,jk,ik->i", slopes, self.covariance, slopes), 0.0)
         noise = self.noise.deviation**2 + self.noise.jitter**2
         walked = self.noise.walk**2 * np.arange(len(expected))
+        after = motion.time_s - motion.time_s[0] > self.lasted_s
+        if self.later is not None and after.any():
+            expected = np.where(after, self.later.respond(motion)[0], expected)
         if self.zero is not None:
             later = self.zero.later(motion)
             since = self.zero.deviation**2 + self.noise.walk**2 * np.cumsum(later)
@@ -149,6 +155,8 @@ def as_json(model: CorrectedModel) -> dict[str, Any]:
         "delay_s": model.delay_s,
         "curve": curve,
         **_fitted(m, model.zero),
+        "later": None if model.later is None else _fitted(model.later, None),
+        "lasted_s": model.lasted_s if np.isfinite(model.lasted_s) else None,
         "noise": asdict(model.noise),
         "covariance": model.covariance.tolist(),
         "rivals": [
@@ -197,6 +205,8 @@ def from_json(entry: Mapping[str, Any], others: list[str]) -> CorrectedModel:
             mechanism, NoiseModel(**entry["noise"]), np.array(entry["covariance"], dtype=float),
             entry.get("force", False), entry.get("simulated", True), entry.get("delay_s", 0.0),
             rivals, _zero(entry),
+            None if entry.get("later") is None else _refitted(entry["later"], curve, others),
+            np.inf if entry.get("lasted_s") is None else entry["lasted_s"],
         )  # fmt: skip
     except (KeyError, TypeError, ValueError) as problem:
         raise ModelError(

@@ -353,13 +353,14 @@ def surroundings_of(
     )
 
 
-def thinned(problem: Problem) -> tuple[Problem, int]:
+def thinned(problem: Problem, whole: bool = False) -> tuple[Problem, int]:
     """At most about MOST_ROWS rows to fit on, every k-th and all reversals; and k.
 
     At most about MOST_SAMPLES samples stand behind them for terms that go by time. Rows after the
-    last one to fit on tell a fit nothing and are left out.
+    last one to fit on tell a fit nothing and are left out, unless the whole is asked for.
     """
-    problem = problem.rows(np.arange(np.flatnonzero(problem.train)[-1] + 1))
+    if not whole:
+        problem = problem.rows(np.arange(np.flatnonzero(problem.train)[-1] + 1))
     every = -(-len(problem.motion) // MOST_ROWS)
     if every == 1:
         return problem, 1

@@ -1,0 +1,69 @@
+"""What foretells later rows has learnt from all rows; what is said of its own rows has not."""
+
+import json
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any, cast
+
+import numpy as np
+
+from pipeline.config import DiagnosisConfig
+from pipeline.discrepancy.choose import Choice
+from pipeline.discrepancy.model import CorrectedModel, as_json, from_json
+from pipeline.discrepancy.refit import likeliest
+from pipeline.recording import Recording
+from pipeline.stages.diagnosis import diagnose
+from pipeline.stages.prediction import predict
+from tests.discrepancy.made import recorded
+
+NAME = "pitch_angle_deg"
+HIDDEN = {"backlash": {"width": 4.0}, "drift/linear": {"rate": 1.0}}
+CYCLES = 6
+
+
+def start_of(recording: Recording) -> Recording:
+    first = recording.values("cycle") < CYCLES
+    return replace(recording, samples=recording.samples[first].reset_index(drop=True))
+
+
+def model_of(recording: Recording) -> CorrectedModel:
+    return diagnose(DiagnosisConfig(), recording).models[0]
+
+
+def test_only_later_rows_know_the_held_out_cycles():
+    longer = recorded(HIDDEN, seed=3, cycles=9)
+    other = longer.samples.copy()
+    other.loc[np.isin(other["cycle"], [2, 5]), NAME] += 0.05
+    tables = [
+        predict([model_of(start_of(r))], longer)[f"{NAME}_predicted"].to_numpy()
+        for r in (longer, replace(longer, samples=other))
+    ]
+    later = longer.values("cycle") >= CYCLES
+    assert (tables[0] == tables[1])[~later].all()
+    assert (tables[1] - tables[0])[later].min() > 0.005
+
+
+def test_later_rows_are_foretold_better_than_by_what_held_rows_out():
+    square = {"all rows": 0.0, "rows fitted": 0.0}
+    for seed in range(3):
+        longer = recorded(HIDDEN, seed=seed, cycles=12)
+        clean = recorded(HIDDEN, noise=0.0, cycles=12).values(NAME)
+        later = longer.values("cycle") >= CYCLES
+        model = model_of(start_of(longer))
+        again = from_json(json.loads(json.dumps(as_json(model))), ["yaw_command_deg"])
+        for who, m in (("all rows", again), ("rows fitted", replace(model, later=None))):
+            off = predict([m], longer)[f"{NAME}_predicted"] - clean
+            square[who] += float(np.sum(off[later] ** 2))
+    assert square["all rows"] < 0.8 * square["rows fitted"]
+
+
+def test_a_drift_too_unsure_to_be_named_still_goes_on():
+    def choice(score: float, *names: str) -> Choice:
+        return Choice(cast(Any, SimpleNamespace(names=names)), (0, 0, 0), score)
+
+    named = choice(2.0, "backlash")
+    drifting, slipping = choice(0.0, "backlash", "drift"), choice(1.0, "backlash", "lost_steps")
+    others = [choice(-5.0, "friction"), choice(-3.0, "backlash", "contact")]
+    explanation = cast(Any, SimpleNamespace(choices=[*others, slipping, drifting, named]))
+    assert likeliest(explanation, named) is drifting
+    assert likeliest(explanation, others[0]) is others[0]
