@@ -92,7 +92,7 @@ def richer(term: Term) -> tuple[Term, ...]:
         ("tension_loss", "linear"): (TensionLoss("late"), TensionLoss("settling")),
         ("contact", "upper"): (Contact("upper unloading"),),
         ("contact", "lower"): (Contact("lower unloading"),),
-        ("frame_lag", "time"): (FrameLag("frames"),),
+        ("frame_lag", "time"): (FrameLag("frames"), FrameLag("held")),
         ("response_lag", "first"): (ResponseLag("second"),),
         ("coulomb_friction", ""): (
             CoulombFriction("asymmetric"),

@@ -5,12 +5,15 @@ import numpy as np
 from pipeline.physics.motion import Motion
 from pipeline.physics.term import Parameter, Surroundings, Term
 
-KEPT = 12
+MOST_ROWS, MOST_S = 10.0, 0.5
+QUICKEST, QUICK = 0.02, 0.1
 
 
 class FrameLag(Term):
     """seen(t) = theta(t - lag), straight between samples; form "frames" counts the lag in samples.
 
+    Form "held": each pose is reached in the first `moving` share of the time between two samples,
+    and held from there on, as where a robot moves, waits and takes its frame.
     Source: pure delay of a buffered camera.
     """
 
@@ -25,9 +28,12 @@ class FrameLag(Term):
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
         if self.form == "frames":
-            return (Parameter("lag", "frames", 0.0, KEPT - 2.0, 1.0, 1.0),)
+            return (Parameter("lag", "frames", 0.0, MOST_ROWS, 1.0, 1.0),)
         dwell = max(around.dwell_s, 1e-9)
-        return (Parameter("lag", "s", 0.0, (KEPT - 2.0) * dwell, dwell, dwell),)
+        lag = Parameter("lag", "s", 0.0, max(MOST_ROWS * dwell, MOST_S), dwell, dwell)
+        if self.form == "time":
+            return (lag,)
+        return lag, Parameter("moving", "", QUICKEST, 1.0, QUICK, 0.0)
 
     def respond(
         self, signal: np.ndarray, motion: Motion, values: np.ndarray, state: np.ndarray | None
@@ -35,12 +41,27 @@ class FrameLag(Term):
         kept_time, kept = (NO_ROWS, NO_ROWS) if state is None else np.split(state, 2)
         time, poses = np.concatenate([kept_time, motion.time_s]), np.concatenate([kept, signal])
         at = np.arange(len(time), dtype=float) if self.form == "frames" else time
-        seen = np.interp(at - values[0], at, poses)[len(kept) :]
-        return seen, np.concatenate([time[-KEPT:], poses[-KEPT:]])
+        asked = at[len(kept) :] - values[0]
+        if self.form == "held":
+            reached = at[:-1] + values[1] * np.diff(at)
+            knots = np.concatenate([at[:1], np.column_stack([reached, at[1:]]).ravel()])
+            seen = np.interp(asked, knots, np.concatenate([poses[:1], np.repeat(poses[1:], 2)]))
+        else:
+            seen = np.interp(asked, at, poses)
+        first = max(int(np.searchsorted(at, at[-1] - values[0])) - 1, 0)
+        return seen, np.concatenate([time[first:], poses[first:]])
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
-        unit = 1.0 if self.form == "frames" else max(around.dwell_s, 1e-9)
-        return unit * np.array([[0.3], [1.0], [2.0], [4.0]])
+        if self.form == "frames":
+            return np.array([[0.3], [1.0], [2.0], [4.0]])
+        dwell = max(around.dwell_s, 1e-9)
+        if self.form == "held":
+            lags = dwell * np.concatenate([np.arange(0.2, 2.0, 0.2), np.arange(2.0, 5.0, 0.5)])
+            return np.array([[lag, QUICK] for lag in lags])
+        shares = [0.3, 1.0, 2.0, 4.0]
+        while 2.0 * shares[-1] * dwell < MOST_S:
+            shares.append(2.0 * shares[-1])
+        return dwell * np.array(shares)[:, None]
 
     def excited(self, motion: Motion, around: Surroundings) -> bool:
         return around.drive_span > 0.0 and around.dwell_s > 0.0
