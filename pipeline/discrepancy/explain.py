@@ -20,7 +20,7 @@ from pipeline.discrepancy.fit import ITERATIONS, evaluate, ground_of, improve
 from pipeline.discrepancy.foretold import foretelling
 from pipeline.discrepancy.noise_family import noise_family
 from pipeline.discrepancy.noise_learning import NoisePrior, learn_noise
-from pipeline.discrepancy.outliers import isolated
+from pipeline.discrepancy.outliers import isolated, returning
 from pipeline.discrepancy.problem import Problem
 from pipeline.discrepancy.screen import effects_of
 from pipeline.physics.catalogue import force_terms, terms
@@ -59,7 +59,7 @@ def explain(problem: Problem) -> Explanation:
     effects = effects_of(problem, candidates)
     settled = settled_rows(problem, prior)
     off = np.where(problem.train, problem.measured - problem.simulated, np.nan)
-    outliers = isolated(off, problem.train, prior.finest) & ~turning(problem)
+    outliers = isolated(off, problem.train, prior.finest) & ~usual(problem, off, prior)
     used = problem.train & settled & ~outliers
     search = Search(candidates, effects, noise_family(prior, problem, used))
     ground = ground_of(problem, prior.model, used)
@@ -142,7 +142,12 @@ def mistaken_rows(problem: Problem, choice: Choice, prior: NoisePrior) -> np.nda
         out[incredible[alone]] = True
     left_out = problem.train & settled_rows(problem, prior) & ~fit.ground.used
     out |= left_out & (np.abs(off) > INCREDIBLE * fit.ground.noise.deviation)
-    return out & ~turning(problem)
+    return out & ~usual(problem, off, prior)
+
+
+def usual(problem: Problem, off: np.ndarray, prior: NoisePrior) -> np.ndarray:
+    """Rows (n,) whose residual `off` (n,) stands off for a reason: a turn, or as in each cycle."""
+    return turning(problem) | returning(off, prior.groups)
 
 
 def turning(problem: Problem) -> np.ndarray:

@@ -21,7 +21,18 @@ def settle_moments(fit: Fit) -> Fit:
                 best = min((moved(fit, i, j, times[k]) for k in places), key=lambda t: t.cost)
                 if best.cost < fit.cost:
                     fit = improve(best, 3)
-    return fit
+    return in_order(fit)
+
+
+def in_order(fit: Fit) -> Fit:
+    """The fit with two slips of one piece told in the order of their times."""
+    pieces = list(fit.pieces)
+    for i, piece in enumerate(pieces):
+        pairs = piece.values.reshape(-1, 2) if len(moments_of(fit, piece)) > 1 else piece.values[:0]
+        if len(pairs) and pairs[0, 1] > pairs[1, 1]:
+            pieces[i] = Piece(piece.term, pairs[::-1].ravel())
+    swapped = any(new is not old for new, old in zip(pieces, fit.pieces, strict=True))
+    return evaluate(fit.ground, pieces) if swapped else fit
 
 
 def moments_of(fit: Fit, piece: Piece) -> list[int]:

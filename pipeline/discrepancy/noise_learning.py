@@ -18,6 +18,7 @@ APART = 60
 FREE_LEVEL = 1e3
 FINEST = 1e-6
 FEWEST_STEPS = 12
+BESIDE, BROKEN = 6, 6.0
 SURE, UNSURE = 0.08, 0.3
 
 
@@ -28,7 +29,7 @@ class NoisePrior:
     model: the likeliest. repeats: how many cycles it was learnt from. sure: how sure its deviation
     is (log scale). series: the contrasts it was learnt from, zero-mean, NaN where missing; stands:
     of each, where all commands stand. finest: least deviation that counts as noise [measurement's
-    unit].
+    unit]. groups: the cycles that repeat each other, see `repeated_cycles`.
     """
 
     model: NoiseModel
@@ -37,6 +38,7 @@ class NoisePrior:
     series: tuple[np.ndarray, ...]
     finest: float = 1e-9
     stands: tuple[np.ndarray, ...] = ()
+    groups: tuple[np.ndarray, ...] = ()
 
     @cached_property
     def _contrasts(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
@@ -74,12 +76,15 @@ def learn_noise(problem: Problem) -> NoisePrior:
         return NoisePrior(model, 0, UNSURE, (), FINEST * problem.around.angle_span)
     residual = np.where(problem.train, problem.measured - problem.simulated, np.nan)
     groups = repeated_cycles(problem)
-    found = [(s, stands_in(problem.motion, r)) for r in groups for s in contrasts(residual, r)]
-    series, stands = tuple(s for s, _ in found), tuple(still for _, still in found)
     finest = FINEST * problem.around.angle_span
+    found = [
+        (s, stands_in(problem.motion, r)) for r in groups for s in contrasts(residual, r, finest)
+    ]
+    series, stands = tuple(s for s, _ in found), tuple(still for _, still in found)
     if sum(np.isfinite(s).sum() for s in series) >= 60:
         repeats = sum(len(g) for g in groups)
-        return NoisePrior(fit_noise(series, finest), repeats, SURE, series, finest, stands)
+        model = fit_noise(series, finest)
+        return NoisePrior(model, repeats, SURE, series, finest, stands, tuple(groups))
     rough = (rough_part(residual, problem),)
     return NoisePrior(fit_noise(rough, finest), 0, UNSURE, (), finest)
 
@@ -154,7 +159,7 @@ def _without_memory(
     return np.where(np.arange(len(rows)) < turn, -1, rows)
 
 
-def contrasts(residual: np.ndarray, rows: np.ndarray) -> list[np.ndarray]:
+def contrasts(residual: np.ndarray, rows: np.ndarray, finest: float) -> list[np.ndarray]:
     """Contrasts over repeats, unit sums of independent samples, as series (steps,).
 
     Steps at which the same repeats are measured go together, NaN elsewhere, each with its own mean
@@ -175,13 +180,34 @@ def contrasts(residual: np.ndarray, rows: np.ndarray) -> list[np.ndarray]:
         for j in range(free.shape[1]):
             series = np.full(values.shape[1], np.nan)
             series[steps] = free[:, j] @ values[np.ix_(pattern, steps)]
-            out.append(series - np.nanmean(series))
+            out += [part - np.nanmean(part) for part in unbroken(series, finest)]
     return out
 
 
 def stands_in(motion: Motion, rows: np.ndarray) -> np.ndarray:
     """Where all commands stand in cycles (repeats, steps) of row numbers, -1 for none, (steps,)."""
     return np.asarray(np.any(motion.stands[rows] & (rows >= 0), axis=0))
+
+
+def unbroken(series: np.ndarray, finest: float) -> list[np.ndarray]:
+    """The parts of a series (steps,) between its breaks, each NaN where another is.
+
+    It breaks where its level over BESIDE steps changes by BROKEN times as much as it usually does,
+    which is at least `finest`: one of the repeats slipped there. Left in, a slip looks like noise
+    that walks.
+    """
+    known = np.flatnonzero(np.isfinite(series))
+    if len(known) < 4 * BESIDE:
+        return [series]
+    level = np.convolve(series[known], np.full(BESIDE, 1.0 / BESIDE), mode="valid")
+    changes = level[BESIDE:] - level[:-BESIDE]
+    most = int(np.argmax(np.abs(changes)))
+    if abs(changes[most]) < BROKEN * max(robust_deviation(changes), finest):
+        return [series]
+    later = np.arange(len(series)) >= known[most + BESIDE]
+    parts = [np.where(later, np.nan, series), np.where(later, series, np.nan)]
+    parts = [whole for part in parts for whole in unbroken(part, finest)]
+    return [part for part in parts if np.isfinite(part).sum() >= FEWEST_STEPS]
 
 
 def rough_part(residual: np.ndarray, problem: Problem) -> np.ndarray:

@@ -1,10 +1,13 @@
 """Outliers: samples that stand off from their neighbours on both sides."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from pipeline.discrepancy.noise_learning import robust_deviation
 
 ISOLATED = 5.0
+RETURNS, FEWEST_REPEATS = 0.5, 3
 
 
 def isolated(residual: np.ndarray, train: np.ndarray, finest: float) -> np.ndarray:
@@ -13,8 +16,18 @@ def isolated(residual: np.ndarray, train: np.ndarray, finest: float) -> np.ndarr
     residual: (n,), NaN where not measured. The deviation of that distance is learnt from `train`
     and is at least `finest`.
     """
+    off = distances(residual)
+    known = np.isfinite(off)
+    if not known.any():
+        return known
+    scale = max(robust_deviation(off[train & known]), finest)
+    return np.asarray(known & (np.abs(off) > ISOLATED * scale))
+
+
+def distances(residual: np.ndarray) -> np.ndarray:
+    """How far residuals (n,) are off from their neighbours' median; NaN where not measured."""
     known = np.flatnonzero(np.isfinite(residual))
-    out = np.zeros(len(residual), dtype=bool)
+    out = np.full(len(residual), np.nan)
     if len(known) < 7:
         return out
     r = residual[known]
@@ -22,6 +35,22 @@ def isolated(residual: np.ndarray, train: np.ndarray, finest: float) -> np.ndarr
     off = r - np.median(around, axis=0)
     off[:2] = r[:2] - np.median(r[:5])
     off[-2:] = r[-2:] - np.median(r[-5:])
-    scale = max(robust_deviation(off[train[known]]), finest)
-    out[known] = np.abs(off) > ISOLATED * scale
+    out[known] = off
+    return out
+
+
+def returning(residual: np.ndarray, repeats: Sequence[np.ndarray]) -> np.ndarray:
+    """Mask (n,) of residuals that stand off from their neighbours in most repeats of their step.
+
+    That is what the mechanism does there, as at a stop that only the end of a stroke meets, and no
+    mistake. repeats: row numbers (repeats, steps), -1 where a cycle lacks one.
+    """
+    off = distances(residual)
+    out = np.zeros(len(residual), dtype=bool)
+    for rows in repeats:
+        values = np.where(rows >= 0, off[rows], np.nan)
+        steps = np.isfinite(values).sum(axis=0) >= FEWEST_REPEATS
+        usual = np.nanmedian(values[:, steps], axis=0)
+        again = values[:, steps] * usual > RETURNS * values[:, steps] ** 2
+        out[rows[:, steps][again]] = True
     return out

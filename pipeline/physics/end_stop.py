@@ -51,5 +51,5 @@ class EndStop(Term):
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
         middle, span = around.angle_low + 0.5 * around.angle_span, around.angle_span
-        shares = (0.15, 0.25, 0.32, 0.38, 0.42, 0.45, 0.47, 0.485)
+        shares = (0.15, 0.25, 0.32, 0.38, 0.42, 0.45, 0.47, 0.485, 0.494)
         return np.array([[middle + self.side * s * span, 0.003 * span, USUAL] for s in shares])

@@ -9,7 +9,7 @@ from pipeline.discrepancy.intervals import covariance_of, estimates, wide_covari
 from pipeline.discrepancy.noise import NoiseModel
 from pipeline.discrepancy.noise_family import noise_family
 from pipeline.discrepancy.noise_learning import learn_noise
-from pipeline.discrepancy.outliers import isolated
+from pipeline.discrepancy.outliers import isolated, returning
 from pipeline.discrepancy.problem import pose_problem, static_misfit, thinned
 from pipeline.discrepancy.screen import effects_of
 from pipeline.physics.catalogue import term
@@ -97,6 +97,14 @@ def test_lone_samples_are_isolated_but_corners_are_not():
     residual[[40, 200]] += 3.0
     found = isolated(residual, np.ones(300, dtype=bool), 1e-6)
     assert np.flatnonzero(found).tolist() == [40, 200]
+
+
+def test_what_stands_off_in_each_repeat_is_no_outlier():
+    residual = 0.1 * np.random.default_rng(0).standard_normal(400)
+    residual[[17, 117, 217, 317, 140]] += 2.0
+    found = returning(residual, [np.arange(400).reshape(4, 100)])
+    lone = isolated(residual, np.ones(400, dtype=bool), 1e-6) & ~found
+    assert np.flatnonzero(lone).tolist() == [140]
 
 
 def test_a_static_simulation_is_told_from_a_dynamic_one():

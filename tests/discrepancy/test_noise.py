@@ -64,13 +64,19 @@ def test_noise_is_learnt_from_series(white, correlated, phi):
 
 @pytest.mark.parametrize(
     "hidden",
-    [{"backlash": {"width": 8.0}}, {"drift/linear": {"rate": 4.0}}, {"creep": {"share": 0.3}}],
+    [
+        {"backlash": {"width": 8.0}},
+        {"drift/linear": {"rate": 4.0}},
+        {"creep": {"share": 0.3}},
+        {"lost_steps": {"jump": 5.0, "time": 650.0}},
+    ],
     ids=lambda h: next(iter(h)),
 )
 def test_physics_is_no_noise(hidden):
     prior = learn_noise(posed(recorded(hidden, noise=0.2, seed=3)))
     assert prior.repeats == 4
     assert prior.model.deviation == pytest.approx(0.2, rel=0.12)
+    assert prior.model.walk < 0.01
 
 
 def test_a_walk_is_picked_from_any_level():
