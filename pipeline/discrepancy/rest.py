@@ -9,11 +9,14 @@ from pipeline.discrepancy.choose import Choice
 from pipeline.discrepancy.fit import Fit, evaluate
 from pipeline.discrepancy.noise import NoiseModel
 from pipeline.discrepancy.noise_family import NoiseFamily
+from pipeline.discrepancy.noise_learning import NoisePrior
 from pipeline.discrepancy.problem import Problem
 from pipeline.recording import branch_of, reversals_of
 
 FINE, COARSE, TRAVELS = 24, 5, 12
 STIFFENING = 1e-3
+FEWEST_AGAIN = 2
+UNIFORM, HUMPS = 1.8, 4.0
 
 
 @dataclass(frozen=True)
@@ -51,6 +54,40 @@ def structured_rest(choice: Choice, family: NoiseFamily) -> list[Rest]:
         size = ground.noise.deviation * float(np.sqrt(max(gain - freedom, 0.0) / count))
         out.append(Rest(where, gain, freedom, float(chdtrc(freedom, gain)), size))
     return sorted(out, key=lambda r: r.p_value)
+
+
+def repeated_rest(choice: Choice, prior: NoisePrior) -> Rest:
+    """What cycles that repeat have in common at each step in a choice's residual, of any shape.
+
+    Their innovations' mean over the repeats of a step, against what is different between them: the
+    test of lack of fit by pure error (Draper and Smith, Applied Regression Analysis, section 2.1).
+    It needs no curves and finds what is finer than theirs.
+    """
+    ground = choice.fit.ground
+    found = np.full(len(ground.used), np.nan)
+    found[ground.used] = choice.fit.innovations
+    gain, freedom, count = 0.0, 0, 0
+    for rows in prior.groups:
+        values = np.where(rows >= 0, found[rows], np.nan)
+        repeats = np.isfinite(values).sum(axis=0)
+        again = repeats >= FEWEST_AGAIN
+        gain += float(np.sum(repeats[again] * np.nanmean(values[:, again], axis=0) ** 2))
+        freedom += int(again.sum())
+        count += int(repeats[again].sum())
+    size = ground.noise.deviation * float(np.sqrt(max(gain - freedom, 0.0) / max(count, 1)))
+    return Rest("each cycle alike", gain, freedom, float(chdtrc(max(freedom, 1), gain)), size)
+
+
+def two_valued(fit: Fit) -> bool:
+    """Whether a fit's innovations are surely flatter than a uniform distribution.
+
+    Of all distributions with one hump the uniform one is the flattest, its excess kurtosis -1.2
+    (Darlington, Am. Stat. 24 (1970) 19), known from n samples to about 1 / sqrt(n): then there are
+    two humps, as of a sensor that changes between two zeros.
+    """
+    e = fit.innovations - fit.innovations.mean()
+    kurtosis = float(np.mean(e**4)) / max(float(np.mean(e**2)) ** 2, 1e-300)
+    return kurtosis < UNIFORM - HUMPS / np.sqrt(len(e))
 
 
 def followed(fit: Fit) -> np.ndarray:

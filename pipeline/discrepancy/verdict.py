@@ -10,11 +10,11 @@ from pipeline.discrepancy.explain import Explanation
 from pipeline.discrepancy.fit import evaluate, improve
 from pipeline.discrepancy.noise import NoiseModel
 from pipeline.discrepancy.noise_family import WALKS, Place
-from pipeline.discrepancy.rest import structured_rest
+from pipeline.discrepancy.rest import repeated_rest, structured_rest, two_valued
 from pipeline.discrepancy.ties import names
 
 CHANCE = 1e-5
-SMALLEST_SIZE = 0.2
+SMALLEST_SIZE, REPEATED = 0.2, 0.5
 SLOW_CORRELATION = 0.87
 ENOUGH = 0.7
 MOST_LEFT = 0.1
@@ -72,8 +72,9 @@ def structure_of(explanation: Explanation, choice: Choice) -> Structure:
     """What is still structured in the residual of a choice, on training rows.
 
     It shows in flexible curves of what was commanded that chance does not explain (likelihood
-    ratio, Bonferroni over the families of curves), or in noise that varies as slowly as physics
-    does. What is surely there but much smaller than the noise is the form of a term, no physics.
+    ratio, Bonferroni over the families of curves), in noise that varies as slowly as physics does,
+    in what cycles have in common at each step, or in noise with two humps. What is surely there but
+    much smaller than the noise is the form of a term, no physics.
     """
     noise = choice.fit.ground.noise
     if noise.deviation <= 2.0 * explanation.prior.finest:
@@ -86,6 +87,11 @@ def structure_of(explanation: Explanation, choice: Choice) -> Structure:
     size = max((r.size for r in sure), default=0.0)
     if where is None and slow(explanation, choice):
         where, size, p_value = "slow changes", noise.correlated, min(p_value, CHANCE)
+    again = repeated_rest(choice, explanation.prior)
+    if where is None and again.p_value < CHANCE and again.size > REPEATED * noise.deviation:
+        where, size, p_value = again.where, again.size, again.p_value
+    if where is None and two_valued(choice.fit):
+        where, size, p_value = "two zeros by turns", noise.deviation, min(p_value, CHANCE)
     if where is None and explanation.problem.derivatives is None:
         share, period = hum(choice)
         if share > LOUD:

@@ -311,6 +311,19 @@ def test_a_simulation_that_stands_still_explains_nothing():
     assert found.verdict == "unknown_physics"
 
 
+@pytest.mark.parametrize("form", ["coarse", "two zeros"])
+def test_a_sensor_that_no_term_describes_is_unknown_physics(form):
+    recording = recorded({}, noise=0.05, seed=4)
+    angle = recording.values(ANGLE)
+    coarse = np.round(recording.values(SIMULATED) / 3.0) * 3.0 - recording.values(SIMULATED)
+    turns = np.where(np.random.default_rng(4).random(len(angle)) < 0.5, 0.0, 0.5)
+    result = diagnosed(
+        changed(recording, **{ANGLE: angle + (coarse if form == "coarse" else turns)})
+    )
+    assert result.diagnoses[0].verdict == "unknown_physics"
+    assert not names(result)
+
+
 def test_two_slips_are_one_name_with_both_jumps():
     recording = recorded({"lost_steps": {"jump": 3.0, "time": 400.0}}, seed=17)
     back = np.where(recording.values("time_s") >= 1500.0, -1.4, 0.0)
