@@ -61,7 +61,15 @@ class CapstanFriction(Term):
             return np.array(
                 [[w, r * span, 0.8] for w in (0.05, 0.2, 0.6) for r in (0.01, 0.05, 0.2)]
             )
-        return np.array([[w, w * r, 0.3] for w in (0.05, 0.2, 0.6) for r in (0.3, 1.0)])
+        wraps = (0.05, 0.1, 0.2, 0.35, 0.6, 1.0)
+        return np.array([[w, w * r, 0.1] for w in wraps for r in (0.3, 1.0)])
+
+    def scaled(self, values: np.ndarray, factor: float) -> np.ndarray:
+        """The play in the logarithm stays one: its reach grows with its wrap."""
+        out = super().scaled(values, factor)
+        if self.form == "capstan":
+            out[1] *= factor
+        return out
 
     def excited(self, motion: Motion, around: Surroundings) -> bool:
         """Where a force goes in and a force comes out, and the wire is pulled all the time."""

@@ -4,7 +4,7 @@ import numpy as np
 
 from pipeline.physics.balance import Load
 from pipeline.physics.motion import Motion
-from pipeline.physics.pre_sliding import ELEMENTS, QUANTILES, dragging
+from pipeline.physics.pre_sliding import ELEMENTS, WIDEST, dragging, reaches_of
 from pipeline.physics.term import Parameter, Surroundings, Term
 
 
@@ -43,7 +43,7 @@ class Friction(Term):
             Parameter("reach", unit, 1e-3 * span, 1.0 * span, 0.05 * span, 0.05 * span),
             Parameter("release", "", 0.0, 1.0, 0.8, 0.0)
             if "bristle" in self.form or self.before_curve
-            else Parameter("spread", "", 0.0, 1.0, 0.7, 0.3),
+            else Parameter("spread", "", 0.0, WIDEST, 0.7, 0.3),
         )
         if "asymmetric" not in self.form:
             return own
@@ -55,7 +55,7 @@ class Friction(Term):
         if "bristle" in self.form:
             limits = 0.5 * width * (1.0 + asymmetry), 0.5 * width * (1.0 - asymmetry)
             return Load(bristle=np.array([[0.5 * width / reach, *limits, spread]]))
-        reaches = reach * (1.0 - spread + spread * QUANTILES)
+        reaches = reaches_of(reach, spread)
         limit = 0.5 * width / ELEMENTS
         slip = np.empty((ELEMENTS, 3))
         slip[:, 0] = limit / reaches

@@ -8,6 +8,17 @@ QUANTILES = -np.log(1.0 - (np.arange(ELEMENTS) + 0.5) / ELEMENTS)
 QUANTILES /= QUANTILES.mean()
 
 
+WIDEST = 2.5
+
+
+def reaches_of(reach: float, spread: float) -> np.ndarray:
+    """Reaches of the slip elements, (ELEMENTS,), with the mean `reach`."""
+    if spread <= 1.0:
+        return np.asarray(reach * (1.0 - spread + spread * QUANTILES))
+    powers = QUANTILES**spread
+    return np.asarray(reach * powers / powers.mean())
+
+
 @njit(cache=True)
 def _slipped(position, at, reaches, state):  # type: ignore[no-untyped-def]
     out = np.empty(position.size)
@@ -33,7 +44,7 @@ def sliding(
     unstressed. Source: Iwan, J. Appl. Mech. 33 (1966) 893; Al-Bender, Lampaert and Swevers, IEEE
     Trans. Autom. Control 50 (2005) 1883 (generalized Maxwell-slip).
     """
-    reaches = reach * (1.0 - spread + spread * QUANTILES)
+    reaches = reaches_of(reach, spread)
     carried = np.zeros(ELEMENTS) if state is None else state[1:].copy()
     at = float(position[0]) if state is None else float(state[0])
     out = _slipped(np.ascontiguousarray(position), at, reaches, carried)

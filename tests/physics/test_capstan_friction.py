@@ -47,10 +47,11 @@ def test_it_is_the_sheath_of_many_segments_and_blocks_join():
     assert np.concatenate([first, rest]) == pytest.approx(out, rel=1e-12)
 
 
-def test_a_sheath_is_named_and_its_wrap_found(tmp_path: Path):
+@pytest.mark.parametrize("bent", [WRAP, 3 * WRAP])
+def test_a_sheath_is_named_and_its_wrap_found(tmp_path: Path, bent: float):
     pull, cycle = pulls_n()
     rng = np.random.default_rng(4)
-    measured = 1.02 * sheath(pull, WRAP) + 0.3 + NOISE_N * rng.standard_normal(len(pull))
+    measured = 1.02 * sheath(pull, bent) + 0.3 + NOISE_N * rng.standard_normal(len(pull))
     table = pd.DataFrame(
         {"time_s": 0.1 * np.arange(len(pull)), "cycle": cycle, "pull_n": pull, "out_n": measured,
          "out_sim_n": pull}
@@ -66,5 +67,5 @@ def test_a_sheath_is_named_and_its_wrap_found(tmp_path: Path):
     found = diagnose(DiagnosisConfig(), load_recording(tmp_path)).diagnoses[0]
     assert (found.verdict, [p.name for p in found.physics]) == ("explained", ["friction"])
     wrap = found.physics[0].parameters[0]
-    assert wrap.low < WRAP < wrap.high
+    assert wrap.low < bent < wrap.high
     assert found.after.heldout_rmse < 1.1 * NOISE_N
