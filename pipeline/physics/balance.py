@@ -96,7 +96,10 @@ def settle(
     ]
     slip, bristle, arm, contact, give, loose = map(stacked, zip(*map(TABLES, loads), strict=True))
     if len(loose):
-        loose = loose * [curve.slope, curve.slope, 1.0, curve.slope]
+        asked = asked + taken_up(loose, motion.drive, curve)
+        middle = curve(loose[:, 3])
+        loose = loose * [curve.slope, curve.slope, 1.0, 1.0]
+        loose[:, 3] = middle
     smooth = [sum(part) for part in zip(*(load.smooth for load in loads), strict=True)]
     pushed = np.zeros(len(asked))
     for load in loads:
@@ -117,6 +120,17 @@ def settle(
         carried[0] = motion.time_s[-1]
     states = {key: load.carried for key, load in zip(keys, loads, strict=True) if load.carried.size}
     return angle, {BALANCE: carried, **states}
+
+
+def taken_up(loose: np.ndarray, drive: np.ndarray, curve: Curve) -> np.ndarray:
+    """How much more a wire asks for [angle unit], (n,), where the way that hung slack is behind it.
+
+    That way is lost of the drive, before the curve, while the balance takes it off at the curve's
+    mean slope.
+    """
+    half, middle = loose[0, 0], loose[0, 3]
+    lost = np.clip(drive - middle, -half, half)
+    return curve(drive - lost) + curve.slope * lost - curve(drive)
 
 
 def stacked(parts: Sequence[np.ndarray]) -> np.ndarray:

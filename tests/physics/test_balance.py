@@ -81,6 +81,17 @@ def test_slack_stands_still_over_its_width():
     assert np.ptp(out) == pytest.approx(72.0, rel=0.05)
 
 
+def test_slack_is_lost_of_the_drive_before_a_curve_that_bends():
+    motion, curve = line(-60.0, 60.0, 1201), CubicCurve(0.8, 2e-5)
+    slack = Piece(Slack(), np.array([12.0, 5.0, 0.01, 0.01]))
+    out = Mechanism(curve, [slack]).respond(motion)[0]
+    lost = np.clip(motion.drive - 5.0, -6.0, 6.0)
+    taut = np.abs(lost) == 6.0
+    middle = float(curve(np.array([5.0]))[0])
+    expected = middle + (curve(motion.drive - lost) - middle) / 1.01
+    np.testing.assert_allclose(out[taut], expected[taut], atol=0.05)
+
+
 def test_creep_arrives_with_its_share_and_time_constant():
     motion = Motion(np.r_[0.0, np.full(40, 10.0)], 2.0 * np.arange(41), np.zeros(41, dtype=int))
     out = answer(motion, Piece(Creep(), np.array([0.3, 20.0])))
