@@ -123,15 +123,17 @@ class Search:
 def choose(search: Search, ground: Ground) -> list[Choice]:
     """Choices by a beam, not yet polished; each set of terms once.
 
-    Where nothing repeats, noise that walks is as likely all that was left out: the first terms are
-    then looked for beside noise that does not.
+    Where nothing repeats, noise that walks is as likely all that was left out, and beside it
+    nothing promises much: the terms are then looked for beside noise that does not.
     """
     base = search.weighed(evaluate(ground, ()), (0, 0, 0))
+    if wanders(base.place) and search.family.prior.repeats == 0:
+        steady = replace(search, family=replace(search.family, steady=True), plain={})
+        begun = [c for c in choose(steady, ground) if c.fit.pieces]
+        free = [search.weighed(c.fit, c.place) for c in begun[:EARLIER]]
+        return sorted([base, *free, *begun[EARLIER:]], key=lambda c: c.score)
     found = {base.fit.key: base}
     beam = [base]
-    if wanders(base.place) and search.family.prior.repeats == 0:
-        fit, place = search.stilled(base.fit, base.place, 0)
-        beam = [replace(base, fit=fit, place=place)]
     for depth in range(MOST_TERMS):
         before = min(c.score for c in found.values())
         level: dict[Key, Choice] = {}

@@ -16,6 +16,7 @@ from pipeline.discrepancy.choose import (
     extended,
     polished,
 )
+from pipeline.discrepancy.contested import contested
 from pipeline.discrepancy.fit import ITERATIONS, evaluate, ground_of, improve
 from pipeline.discrepancy.foretold import foretelling
 from pipeline.discrepancy.noise_family import noise_family
@@ -73,7 +74,7 @@ def explain(problem: Problem) -> Explanation:
         used = problem.train & settled & ~found
         search = Search(candidates, effects, noise_family(prior, problem, used))
         choices = choose_again(search, ground_of(problem, prior.model, used), choices)
-    choices = searched_wide(search, polished(search, choices))
+    choices = contested(search, searched_wide(search, polished(search, choices)))
     if prior.repeats == 0 and problem.derivatives is None:
         best = resettled(search, choices[0])
         choices = foretelling(with_slow_terms(search, [best, *choices[1:]]))

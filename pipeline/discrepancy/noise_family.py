@@ -35,7 +35,8 @@ class NoiseFamily:
     prior: as learnt. used: (n,) rows that count; stands: (n,) those in which all commands stand.
     shapes: (share of the variance that is correlated, correlation, whether that part settles where
     commands stand); strain: (shapes, walks) -2 log of how much worse repeats fit each, at most CAP.
-    still: whether the noise keeps the shape of the first, without jitter or walk.
+    still: whether the noise keeps the shape of the first, without jitter or walk. steady: whether
+    it never jitters or walks, whatever its shape.
     """
 
     prior: NoisePrior
@@ -45,6 +46,7 @@ class NoiseFamily:
     shapes: Sequence[Shape]
     strain: np.ndarray
     still: bool = False
+    steady: bool = False
     filters: dict[Place, Filter] = field(default_factory=dict)
 
     def unit(self, place: Place) -> NoiseModel:
@@ -107,15 +109,19 @@ class NoiseFamily:
         shape = start[0]
         if self.still:
             return self.noise_at(start, self.weigh(start, filled)[1]), start
-        begins = {start, (shape, 0, 0), (shape, 0, MIDDLE_WALK)}
-        begins |= {(shape, MIDDLE, 0)}
+        begins = {(shape, 0, 0)}
+        if not self.steady:
+            begins |= {start, (shape, 0, MIDDLE_WALK), (shape, MIDDLE, 0)}
         known = {place: self.weigh(place, filled, level_open=True) for place in begins}
         best = min(known, key=lambda place: known[place][0])
         while True:
             shape, jitter, walk = best
             moves = [(other, jitter, walk) for other in range(len(self.shapes))]
-            moves += [(shape, j, walk) for j in (jitter - 1, jitter + 1) if 0 <= j < len(JITTERS)]
-            moves += [(shape, jitter, w) for w in (walk - 1, walk + 1) if 0 <= w < len(WALKS)]
+            if not self.steady:
+                steps = ((jitter + j, walk + w) for j, w in ((-1, 0), (1, 0), (0, -1), (0, 1)))
+                moves += [
+                    (shape, j, w) for j, w in steps if 0 <= j < len(JITTERS) and 0 <= w < len(WALKS)
+                ]
             for move in moves:
                 if move not in known:
                     known[move] = self.weigh(move, filled, level_open=True)

@@ -7,12 +7,19 @@ from pipeline.discrepancy.explain import Explanation
 from pipeline.discrepancy.fit import evaluate
 from pipeline.discrepancy.model import Hypothesis
 from pipeline.discrepancy.problem import Problem
-from pipeline.discrepancy.ties import BENDS, by_names, equivalents, names, plain, weights_of
+from pipeline.discrepancy.ties import (
+    BENDS,
+    RIVAL_GAP,
+    by_names,
+    equivalents,
+    names,
+    plain,
+    weights_of,
+)
 from pipeline.discrepancy.zero import zero_at_end
 from pipeline.physics.mechanism import Mechanism
 
 RIVALS = 6
-RIVAL_GAP = 14.0
 
 
 def hypotheses_of(

@@ -13,6 +13,7 @@ from pipeline.physics.catalogue import terms
 from pipeline.physics.mechanism import Piece
 
 TIE = 9.0
+RIVAL_GAP = 14.0
 SURE = 2.0
 NEGLIGIBLE = 1e-4
 DISGUISES = {"tension_loss": "backlash", "friction": "backlash", "slack": "compliance"}
@@ -87,10 +88,10 @@ def plain(choice: Choice) -> frozenset[str]:
 
 
 def undisguised(choices: Sequence[Choice]) -> Choice:
-    """The best of some choices, or what it is in disguise where that ties with it."""
+    """The best of some choices, or what it is in disguise where that competes with it."""
     best = choices[0]
     wanted = plain(best)
-    same = [c for c in choices if names(c) == wanted and c.score < best.score + TIE]
+    same = [c for c in choices if names(c) == wanted and c.score < best.score + RIVAL_GAP]
     return min(same, key=lambda c: c.score, default=best)
 
 

@@ -53,6 +53,7 @@ def terms(other_commands: Iterable[str] = ()) -> tuple[Term, ...]:
         CameraTilt(),
         LensDistortion(),
         FrameLag("time"),
+        FrameLag("frames"),
         MarkerOutliers(),
         Drift("linear"),
         Drift("cycle"),
@@ -92,7 +93,7 @@ def richer(term: Term) -> tuple[Term, ...]:
         ("tension_loss", "linear"): (TensionLoss("late"), TensionLoss("settling")),
         ("contact", "upper"): (Contact("upper unloading"),),
         ("contact", "lower"): (Contact("lower unloading"),),
-        ("frame_lag", "time"): (FrameLag("frames"), FrameLag("held")),
+        ("frame_lag", "time"): (FrameLag("held"),),
         ("response_lag", "first"): (ResponseLag("second"),),
         ("coulomb_friction", ""): (
             CoulombFriction("asymmetric"),

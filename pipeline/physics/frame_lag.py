@@ -7,6 +7,7 @@ from pipeline.physics.term import Parameter, Surroundings, Term
 
 MOST_ROWS, MOST_S = 10.0, 0.5
 QUICKEST, QUICK = 0.02, 0.1
+UNEVEN = 0.05
 
 
 class FrameLag(Term):
@@ -64,7 +65,14 @@ class FrameLag(Term):
         return dwell * np.array(shares)[:, None]
 
     def excited(self, motion: Motion, around: Surroundings) -> bool:
-        return around.drive_span > 0.0 and around.dwell_s > 0.0
+        moves = around.drive_span > 0.0 and around.dwell_s > 0.0
+        return moves and (self.form != "frames" or uneven(motion.time_s))
+
+
+def uneven(time_s: np.ndarray) -> bool:
+    """Whether samples (n,) follow each other so unevenly that counting them is no clock."""
+    gaps = np.diff(time_s)
+    return bool(np.std(gaps) > UNEVEN * np.mean(gaps))
 
 
 NO_ROWS = np.zeros(0)

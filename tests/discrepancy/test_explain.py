@@ -1,8 +1,16 @@
 """Whether what an explanation leaves can be noise, by what repeats say of that."""
 
+from dataclasses import replace
+
+import numpy as np
+
 from pipeline.config import DiagnosisConfig
+from pipeline.discrepancy.contested import contested, rival_names
 from pipeline.discrepancy.explain import explain, refuted, searched_wide
+from pipeline.discrepancy.fit import evaluate
 from pipeline.discrepancy.problem import pose_problem
+from pipeline.physics.catalogue import term
+from pipeline.physics.mechanism import Piece
 from tests.discrepancy.made import recorded
 
 
@@ -21,3 +29,19 @@ def test_a_rest_that_repeats_is_no_noise_and_a_search_without_shortcuts_explains
     again = searched_wide(search, sorted(alone, key=lambda c: c.score))
     assert set(again[0].fit.names) == set(best.fit.names)
     assert len({c.fit.key for c in again}) == len(again)
+
+
+def test_a_rival_that_lacks_a_name_is_looked_for_from_the_beginning():
+    hidden = {"backlash": {"width": 3.0}, "creep": {"share": 0.1, "time_constant": 40.0}}
+    recording = recorded(hidden, seed=2)
+    simulated = recording.values("pitch_angle_sim_deg")
+    found = explain(pose_problem(DiagnosisConfig(), recording, "pitch_angle_deg", simulated))
+    best = found.choices[0]
+    drift = Piece(term("drift", "linear"), np.array([0.2]))
+    fit = evaluate(best.fit.ground, (*best.fit.pieces, drift))
+    more = found.search.weighed(fit, best.place)
+    base = next(c for c in found.choices if not c.fit.pieces)
+    stuck = replace(best, score=more.score + 5.0)
+    assert rival_names([more, stuck, base]) == [frozenset(hidden)]
+    assert contested(found.search, [more, stuck, base])[0].score < more.score
+    assert rival_names([replace(more, score=best.score - 100.0), best, base]) == []

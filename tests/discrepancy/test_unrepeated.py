@@ -1,11 +1,17 @@
 """Diagnoses where no cycle repeats another, so that nothing but time tells noise from physics."""
 
+from dataclasses import replace
+
 import numpy as np
 import pandas as pd
 
 from pipeline.config import DiagnosisConfig
+from pipeline.discrepancy.choose import wanders
 from pipeline.discrepancy.explain import explain
 from pipeline.discrepancy.foretold import parts_of
+from pipeline.discrepancy.noise import NoiseModel
+from pipeline.discrepancy.noise_family import noise_family
+from pipeline.discrepancy.noise_learning import NoisePrior
 from pipeline.discrepancy.problem import pose_problem
 from pipeline.physics.catalogue import term
 from pipeline.physics.kinematics import CubicCurve
@@ -26,14 +32,19 @@ WAVES = sum(np.sin(2.0 * np.pi * f * TIME_S / TIME_S[-1] + f) for f in (5.0, 12.
 ONCE = 40.0 * np.sin(2.0 * np.pi * np.arange(ROWS) / ROWS)
 
 
-def moved(command_deg: np.ndarray, *hidden: tuple[str, list[float]], seed: int) -> Recording:
+def moved(
+    command_deg: np.ndarray,
+    *hidden: tuple[str, list[float]],
+    seed: int,
+    time_s: np.ndarray = TIME_S,
+) -> Recording:
     """A mechanism with hidden terms ("name/form", parameters), measured with white noise."""
-    motion = Motion(command_deg, TIME_S, np.zeros(ROWS, dtype=int))
+    motion = Motion(command_deg, time_s, np.zeros(ROWS, dtype=int))
     pieces = [Piece(term(*key.split("/")), np.array(values)) for key, values in hidden]
     curve = CubicCurve(0.7, 1e-5)
     noise = NOISE * np.random.default_rng(seed).standard_normal(ROWS)
     measured = Mechanism(curve, pieces, 1.02, 0.4).respond(motion)[0] + noise
-    columns = [TIME_S, command_deg, measured, curve(command_deg)]
+    columns = [time_s, command_deg, measured, curve(command_deg)]
     names = ["time_s", *(channel.name for channel in CHANNELS)]
     samples = pd.DataFrame(dict(zip(names, columns, strict=True)))
     return Recording(with_context(samples, CHANNELS), CHANNELS, "simulated")
@@ -84,3 +95,21 @@ def test_only_commands_that_were_fitted_are_foretold():
         assert ONCE[part.ahead].min(initial=0.0) >= ONCE[part.early].min()
         assert not part.early[part.ahead].any()
     assert len(parts_of(ground)[0].ahead) < 0.25 * ground.count
+
+
+def test_a_frame_behind_is_told_from_play_where_samples_come_unevenly():
+    time_s = np.cumsum(np.random.default_rng(7).choice([0.25, 0.5, 1.0, 1.5], ROWS))
+    command = 40.0 * (2.0 / np.pi) * np.arcsin(np.sin(2.0 * np.pi * np.arange(ROWS) / 75.0))
+    hidden = ("frame_lag/frames", [1.0]), ("lost_steps", [1.5, float(time_s[600])])
+    assert named(moved(command, *hidden, seed=8, time_s=time_s)) == {"frame_lag", "lost_steps"}
+
+
+def test_steady_noise_leaves_a_wandering_zero_to_the_terms():
+    walk = np.cumsum(np.random.default_rng(9).standard_normal(ROWS))
+    prior = NoisePrior(NoiseModel(1.0), 0, 1.0, ())
+    recording = moved(ONCE, seed=9)
+    sim = recording.values("tip_sim_deg")
+    problem = pose_problem(DiagnosisConfig(), recording, "tip_deg", sim)
+    family = noise_family(prior, problem, np.ones(ROWS, dtype=bool))
+    assert wanders(family.pick(walk, (0, 0, 0))[1])
+    assert not wanders(replace(family, steady=True).pick(walk, (0, 0, 0))[1])

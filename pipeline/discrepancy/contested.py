@@ -1,0 +1,55 @@
+"""Contested names: what comes near the best explanation gets a search of its own."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from pipeline.discrepancy.choose import LEAST_GAIN, Choice, Key, Search, choose, polished
+from pipeline.discrepancy.ties import BENDS, RIVAL_GAP, names, plain
+
+MOST = 2
+
+
+def contested(search: Search, choices: Sequence[Choice]) -> list[Choice]:
+    """The choices (best first), with those of searches confined to the names of near rivals.
+
+    Terms that a search added on its way lead the others to sizes from which no small step leads
+    back. So before a name of several is believed, the best few sets without it are looked for from
+    the beginning, among their own names only, until one wins clearly. What bends one static curve
+    is one name here.
+    """
+    best = choices[0]
+    found: dict[Key, Choice] = {c.fit.key: c for c in choices}
+    ground = next(c for c in choices if not c.fit.pieces).fit.ground
+    for wanted in rival_names(choices)[:MOST]:
+        own = tuple(t for t in search.terms if t.name in wanted)
+        confined = replace(search, terms=own, plain={}, wide=False)
+        own_choices = choose(confined, ground)
+        if own_choices[0].score < best.score + RIVAL_GAP:
+            own_choices = polished(confined, own_choices)
+        for choice in own_choices:
+            if choice.fit.key not in found or choice.score < found[choice.fit.key].score:
+                found[choice.fit.key] = choice
+        if own_choices[0].score < best.score - LEAST_GAIN:
+            break
+    return sorted(found.values(), key=lambda c: c.score)
+
+
+def rival_names(choices: Sequence[Choice]) -> list[frozenset[str]]:
+    """Sets of names near the best one that lack one of its names, the best first; none for one.
+
+    Not those that have it in disguise.
+    """
+    best = choices[0]
+    if len(names(best)) < 2:
+        return []
+    out: dict[frozenset[str], frozenset[str]] = {}
+    for choice in choices:
+        near = choice.fit.pieces and choice.score < best.score + RIVAL_GAP
+        if near and not bent(names(best)) <= bent(names(choice)) | plain(choice):
+            out.setdefault(bent(names(choice)), names(choice))
+    return list(out.values())
+
+
+def bent(found: frozenset[str]) -> frozenset[str]:
+    """Names, those of what bends one static curve under one."""
+    return found if found.isdisjoint(BENDS) else (found - BENDS) | {"bend"}
