@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -26,7 +27,7 @@ class Nuisances:
     deviations: np.ndarray
     beside: tuple[Beside, ...] = ()
 
-    @property
+    @cached_property
     def expected(self) -> np.ndarray:
         """Prior means, (m,): gain, offset, weights."""
         return np.eye(1, len(self.deviations))[0]

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from math import exp, log
 
 import numpy as np
 
@@ -82,22 +83,22 @@ class NoiseFamily:
             e = e - level * (level @ e)
         n = len(e) / spell
         square = float(e @ e)
-        sure, learnt = self.prior.sure, np.log(self.prior.model.deviation)
-        least = np.log(self.prior.finest)
-        log_scale = max(0.5 * np.log(max(square / n, 1e-300)), least)
+        sure, learnt = self.prior.sure, log(self.prior.model.deviation)
+        least = log(self.prior.finest)
+        log_scale = max(0.5 * log(max(square / n, 1e-300)), least)
         for _ in range(3):
-            slope = 2 * n - 2 * square * np.exp(-2 * log_scale)
-            slope += 2 * np.clip((log_scale - learnt) / sure**2, -2 / sure, 2 / sure)
-            log_scale -= slope / (4 * square * np.exp(-2 * log_scale) + 2 / sure**2)
+            slope = 2 * n - 2 * square * exp(-2 * log_scale)
+            slope += 2 * min(max((log_scale - learnt) / sure**2, -2 / sure), 2 / sure)
+            log_scale -= slope / (4 * square * exp(-2 * log_scale) + 2 / sure**2)
             log_scale = max(log_scale, least)
-        cost = square * np.exp(-2 * log_scale) + 2 * n * log_scale
+        cost = square * exp(-2 * log_scale) + 2 * n * log_scale
         cost += log_scales / spell
         off = abs(log_scale - learnt) / sure
         cost += off**2 if off < 2.0 else 4.0 * (off - 1.0)
         repeat = self.prior.repeats > 0
         cost += (JITTER_COST if repeat else UNREPEATED) * (place[1] > 0)
         cost += (WALK_COST if repeat else UNREPEATED) * (place[2] > 0)
-        return cost + self.strained(place), float(np.exp(log_scale))
+        return cost + self.strained(place), exp(log_scale)
 
     def strained(self, place: Place) -> float:
         """What repeats have against a place."""

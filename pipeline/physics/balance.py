@@ -15,9 +15,7 @@ when a dwell began; over a dwell of length t it pulls as a spring of stiffness r
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
-from operator import attrgetter
-from typing import TYPE_CHECKING, Protocol, cast
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, cast
 
 import numpy as np
 
@@ -28,46 +26,42 @@ from pipeline.physics.motion import Motion
 if TYPE_CHECKING:
     from pipeline.physics.mechanism import Piece
 
-NO_SLIP = np.zeros((0, 3))
-NO_BRISTLE = np.zeros((0, 4))
-NO_ARM = np.zeros((0, 2))
-NO_GIVE = np.zeros((0, 4))
-NO_CONTACT = np.zeros((0, 4))
 BALANCE = "balance"
-TABLES = attrgetter("slip", "bristle", "arm", "contact", "give", "loose")
+Loose = tuple[float, float, float, float]
+NO_LOOSE: Loose = (0.0, 0.0, 0.0, 0.0)
 
 
-@dataclass(frozen=True)
-class Load:
+class Load(NamedTuple):
     """What a term adds to the balance.
 
     slip: (m, 3) stiffness [1], force limit against rising and against falling [angle unit].
     bristle: (b, 4) stiffness [1], force limits as of a slip, and release [1].
     arm: (a, 2) stiffness [1] and time constant [s] of a spring with a dashpot (Maxwell).
-    smooth: (4,) linear [1], cubic [1/angle^2], gravity [angle] and gravity's zero [rad].
-    contact: (c, 4) side (+1, -1), angle, stiffness [1], and the depth [angle] over which that
-        stiffness builds up round the angle.
-    give: (g, 4) most that the wire gives way besides [angle], force at which it does so [angle],
-        the joint's own stiffness [1], and the angle at which the wire is slack [angle].
-    loose: (l, 4) half the way over which both wires hang slack [drive unit], the softness of its
-        ends [drive unit], the joint's own stiffness [1], and the drive in the middle of that way.
+    contact: (c, 3) side (+1, -1) over the depth at which its stiffness builds up [1/angle], angle,
+        and side times stiffness times that depth [angle].
+    give: (g, 4) most that the wire gives way besides [angle], one over the force at which it does
+        so [1/angle], the joint's own stiffness [1], and the angle where the wire is slack [angle].
+    loose: half the way over which both wires hang slack [drive unit], the softness of its
+        ends [drive unit], the joint's own stiffness [1], and the drive in the middle of that way;
+        None where no wire is slack.
+    smooth: linear [1], cubic [1/angle^2], gravity [angle] and gravity's zero [rad].
     pretension: load beyond which one of two wires hangs slack and the other gives twice [angle].
     drag: viscous load over speed [s]: the time constant of a joint without other loads.
     pushed: (n,) load from outside that moves a free joint by as much [angle]; None where none.
     carried: what the term must know to go on from the last sample.
     """
 
-    slip: np.ndarray = field(default_factory=lambda: NO_SLIP)
-    bristle: np.ndarray = field(default_factory=lambda: NO_BRISTLE)
-    arm: np.ndarray = field(default_factory=lambda: NO_ARM)
+    slip: np.ndarray = np.zeros((0, 3))
+    bristle: np.ndarray = np.zeros((0, 4))
+    arm: np.ndarray = np.zeros((0, 2))
+    contact: np.ndarray = np.zeros((0, 3))
+    give: np.ndarray = np.zeros((0, 4))
+    loose: Loose | None = None
     smooth: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
-    contact: np.ndarray = field(default_factory=lambda: NO_CONTACT)
-    give: np.ndarray = field(default_factory=lambda: NO_GIVE)
-    loose: np.ndarray = field(default_factory=lambda: NO_GIVE)
     pretension: float = np.inf
     drag: float = 0.0
     pushed: np.ndarray | None = None
-    carried: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    carried: np.ndarray = np.zeros(0)
 
 
 class BalancedTerm(Protocol):
@@ -94,41 +88,66 @@ def settle(
         cast(BalancedTerm, p.term).load(p.values, motion, memory.get(key))
         for p, key in zip(pieces, keys, strict=True)
     ]
-    slip, bristle, arm, contact, give, loose = map(stacked, zip(*map(TABLES, loads), strict=True))
-    if len(loose):
-        asked = asked + taken_up(loose, motion.drive, curve)
-        middle = curve(loose[:, 3])
-        loose = loose * [curve.slope, curve.slope, 1.0, 1.0]
-        loose[:, 3] = middle
-    smooth = [sum(part) for part in zip(*(load.smooth for load in loads), strict=True)]
-    pushed = np.zeros(len(asked))
-    for load in loads:
-        if load.pushed is not None:
-            pushed += curve(motion.drive + load.pushed / curve.slope) - curve(motion.drive)
+    *tables, wires, smooth, pretensions, drags, pushes, _ = zip(*loads, strict=True)
+    slip, bristle, arm, contact, give = map(stacked, tables)
+    linear, cubic, gravity, zero = map(sum, zip(*smooth, strict=True))
+    drag = float(sum(drags))
+    slack, loose = next((way for way in wires if way is not None), None), NO_LOOSE
+    if slack is not None:
+        asked, loose = asked + taken_up(slack, motion.drive, curve), at_joint(slack, curve)
+    pushed = np.full(len(asked), -gravity * np.sin(zero))
+    for push in pushes:
+        if push is not None:
+            pushed += curve(motion.drive + push / curve.slope) - curve(motion.drive)
     carried = np.zeros(4 + len(slip) + len(bristle) + len(arm)) if state is None else state.copy()
-    drag, dwell = sum(load.drag for load in loads), pushed
+    dwell = pushed
     if len(arm) or drag > 0.0:
         dwell = motion.dwell_s if state is None else np.diff(motion.time_s, prepend=carried[0])
     angle = np.empty(len(asked))
     if len(asked):
-        pretension = min(NEVER, *(load.pretension for load in loads))
+        bent = carried[3 + len(slip) : 3 + len(slip) + len(bristle)]
+        bends = bending(
+            (cubic, gravity, zero, 1.0 / motion.radian), contact, give, loose,
+            min(NEVER, *pretensions), bristle, bent,
+        )  # fmt: skip
         balance(
-            np.ascontiguousarray(asked), pushed, dwell, slip, bristle, arm, float(drag),
-            (*(float(x) for x in smooth[1:]), motion.radian, contact), (give, loose, pretension),
-            float(smooth[0]), state is None, carried[1:], np.zeros((len(arm), 3)), angle,
+            np.ascontiguousarray(asked), pushed, dwell, slip, arm, drag, bends, float(linear),
+            state is None, carried[1:], np.zeros((len(arm), 3)), angle,
         )  # fmt: skip
         carried[0] = motion.time_s[-1]
     states = {key: load.carried for key, load in zip(keys, loads, strict=True) if load.carried.size}
     return angle, {BALANCE: carried, **states}
 
 
-def taken_up(loose: np.ndarray, drive: np.ndarray, curve: Curve) -> np.ndarray:
+def bending(
+    smooth: tuple[float, float, float, float], contact: np.ndarray, give: np.ndarray,
+    loose: Loose, pretension: float, bristle: np.ndarray,
+    bent: np.ndarray,
+) -> tuple[Any, ...] | None:  # fmt: skip
+    """All that bends the balance, flat as the compiled loop takes it; None where nothing does.
+
+    smooth: cubic, gravity, its zero, an angle's unit in radians. bent: forces of the bristles.
+    """
+    straight = pretension == NEVER and not (smooth[0] or smooth[1] or loose[1])
+    if straight and not (len(contact) or len(give) or len(bristle)):
+        return None
+    return *smooth, contact, give, loose, pretension, bristle, bent
+
+
+def at_joint(loose: Loose, curve: Curve) -> Loose:
+    """Half the way, one over the softness, own stiffness and middle, in the joint's angles."""
+    half, softness, own, centre = loose
+    slope, middle = abs(curve.slope), float(curve(np.array([centre]))[0])
+    return half * slope, 1.0 / (softness * slope), own, middle
+
+
+def taken_up(loose: Loose, drive: np.ndarray, curve: Curve) -> np.ndarray:
     """How much more a wire asks for [angle unit], (n,), where the way that hung slack is behind it.
 
     That way is lost of the drive, before the curve, while the balance takes it off at the curve's
     mean slope.
     """
-    half, middle = loose[0, 0], loose[0, 3]
+    half, _, _, middle = loose
     lost = np.clip(drive - middle, -half, half)
     return curve(drive - lost) + curve.slope * lost - curve(drive)
 

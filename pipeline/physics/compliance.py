@@ -48,7 +48,7 @@ class Compliance(Term):
         if self.form == "joint":
             return Load(smooth=(float(values[1]), float(values[0]), 0.0, 0.0))
         softness, reach, stretch, stiffness = values
-        give = [softness * reach, stiffness * reach, stiffness, 0.0]
+        give = [softness * reach, 1.0 / (stiffness * reach), stiffness, 0.0]
         return Load(smooth=(float(stretch), 0.0, 0.0, 0.0), give=np.array([give]))
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:

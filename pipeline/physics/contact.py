@@ -47,7 +47,8 @@ class Contact(Term):
         )
 
     def load(self, values: np.ndarray, motion: Motion, state: np.ndarray | None) -> Load:
-        contact = np.array([[self.side, values[1], values[0], values[2]]])
+        stiffness, angle, skin = values[:3]
+        contact = np.array([[self.side / skin, angle, self.side * stiffness * skin]])
         return Load(contact=contact, pretension=values[3] if len(values) > 3 else np.inf)
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:

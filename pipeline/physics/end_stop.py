@@ -41,7 +41,8 @@ class EndStop(Term):
 
     def load(self, values: np.ndarray, motion: Motion, state: np.ndarray | None) -> Load:
         angle, softness, give = values
-        return Load(contact=np.array([[self.side, angle, 1.0 / give, softness]]))
+        contact = [[self.side / softness, angle, self.side * softness / give]]
+        return Load(contact=np.array(contact))
 
     def void(self, values: np.ndarray) -> bool:
         return False

@@ -3,12 +3,13 @@
 While a joint moves one way, a slider either sticks, and is a spring, or slides, and is a constant
 load: all of them together are one straight line, which changes only where the joint turns or
 where the next slider begins to slide. A bristle is a curved line. What is left is a smooth equation
-for one angle.
+for one angle, or, where nothing bends (`bends` is None, compiled apart), a line.
 """
 
 import numpy as np
 from numba import njit
 
+from pipeline.physics.decay import decayed
 from pipeline.physics.pre_sliding import bristled
 
 SWEEPS = 40
@@ -22,6 +23,22 @@ SAME_DWELL = 1e-9
 EVEN = 0.8
 FIRST_PART, GROWTH = 0.04, 1.6
 NEARBY = 0.01
+PER_UNIT, ENDED = 32, 512
+TURN = 256
+STRAIGHT = (1.0, 1.0, 1.0, 1.0)
+
+
+def _ramps() -> np.ndarray:
+    """Cubics for log(1 + exp(-x)), (ENDED, 4), each over 1 / PER_UNIT of x from 0 on; to 3e-10."""
+    x = np.arange(ENDED + 1) / PER_UNIT
+    value, slope = np.log1p(np.exp(-x)), -1.0 / (1.0 + np.exp(x)) / PER_UNIT
+    rise, begin, end = np.diff(value), slope[:-1], slope[1:]
+    return np.column_stack([value[:-1], begin, 3.0 * rise - 2.0 * begin - end,
+                            begin + end - 2.0 * rise])  # fmt: skip
+
+
+RAMPS = _ramps()
+WAVE = np.sin(2.0 * np.pi / TURN * np.arange(TURN + TURN // 4))
 
 # Nothing here allocates an array, so that nothing needs to count references to one (half the time).
 inlined = njit(  # type: ignore[call-overload]
@@ -30,25 +47,53 @@ inlined = njit(  # type: ignore[call-overload]
 
 
 @inlined
-def _stops(at, radian, gravity, zero, contact):  # type: ignore[no-untyped-def]
-    """Load of gravity, contacts and stops at an angle, and its slope."""
+def _ramp(x):  # type: ignore[no-untyped-def]
+    """log(1 + exp(x)) and its slope, 0 or x beyond FAR."""
+    size = abs(x)
+    if size >= FAR:
+        return (x, 1.0) if x > 0.0 else (0.0, 0.0)
+    k = int(size * PER_UNIT) & (ENDED - 1)  # an index of the table, whatever x is
+    u = size * PER_UNIT - k
+    a, b, c, d = RAMPS[k, 0], RAMPS[k, 1], RAMPS[k, 2], RAMPS[k, 3]
+    value, slope = a + u * (b + u * (c + u * d)), -PER_UNIT * (b + u * (2.0 * c + u * 3.0 * d))
+    return (x + value, 1.0 - slope) if x > 0.0 else (value, slope)
+
+
+@inlined
+def _wave(x):  # type: ignore[no-untyped-def]
+    """sin(x) and cos(x), from the nearest of TURN angles on."""
+    place = x * (TURN / (2.0 * np.pi))
+    nearest = np.rint(place)
+    d, k = (place - nearest) * (2.0 * np.pi / TURN), int(nearest) & (TURN - 1)
+    sine, cosine, square = WAVE[k], WAVE[k + TURN // 4], d * d
+    along, across = 1.0 - square * (0.5 - square / 24.0), d * (1.0 - square / 6.0)
+    return sine * along + cosine * across, cosine * along - sine * across
+
+
+@inlined
+def _stops(at, unit, gravity, zero, contact):  # type: ignore[no-untyped-def]
+    """Load of gravity (but for what it is at 0), contacts and stops at an angle, and its slope."""
     load, slope = 0.0, 0.0
     if gravity != 0.0:
-        load = gravity * (np.sin(at / radian - zero) + np.sin(zero))
-        slope = gravity / radian * np.cos(at / radian - zero)
+        sine, cosine = _wave(at * unit - zero)
+        load, slope = gravity * sine, gravity * unit * cosine
     for j in range(contact.shape[0]):
-        skin = contact[j, 3]
-        depth = contact[j, 0] * (at - contact[j, 1]) / skin
-        if depth > FAR:
-            ramp, steep = depth * skin, 1.0
-        elif depth > -FAR:
-            bite = np.exp(depth)
-            ramp, steep = skin * np.log1p(bite), bite / (1.0 + bite)
-        else:
-            continue
-        load += contact[j, 0] * contact[j, 2] * ramp
-        slope += contact[j, 2] * steep
+        sharpness, force = contact[j, 0], contact[j, 2]
+        bite, steep = _ramp(sharpness * (at - contact[j, 1]))
+        load += force * bite
+        slope += force * sharpness * steep
     return load, slope
+
+
+@inlined
+def _loose(stretch, half, sharpness):  # type: ignore[no-untyped-def]
+    """What two loose wires pull by that are stretched so far, and the slope of that.
+
+    Each pulls by log(1 + exp((+-stretch - half) * sharpness)) / sharpness / 2.
+    """
+    up, steep = _ramp((stretch - half) * sharpness)
+    down, steeper = _ramp((-stretch - half) * sharpness)
+    return 0.5 / sharpness * (up - down), max(0.5 * (steep + steeper), LEAST_PULL)
 
 
 @inlined
@@ -56,14 +101,11 @@ def _wires(at, load, steep, give, pretension):  # type: ignore[no-untyped-def]
     """How far the wires give way under a load besides, its slope by the angle, and by the load."""
     more, slope, wires = 0.0, 0.0, 0.0
     for j in range(give.shape[0]):
-        turned = (give[j, 2] * (at - give[j, 3]) + load) / give[j, 1]
-        if abs(turned) > FAR:
-            more += give[j, 0] if turned > 0.0 else -give[j, 0]
-            continue
-        left = np.exp(-abs(turned))
+        turned = (give[j, 2] * (at - give[j, 3]) + load) * give[j, 1]
+        left = decayed(abs(turned))
         more += give[j, 0] * ((1.0 - left) if turned > 0.0 else (left - 1.0))
-        slope += give[j, 0] * left / give[j, 1] * (give[j, 2] + steep)
-        wires += give[j, 0] * left / give[j, 1]
+        slope += give[j, 0] * left * give[j, 1] * (give[j, 2] + steep)
+        wires += give[j, 0] * left * give[j, 1]
     if abs(load) > pretension:
         more += load - pretension if load > 0.0 else load + pretension
         slope += steep
@@ -72,66 +114,49 @@ def _wires(at, load, steep, give, pretension):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _loose(stretch, half, softness):  # type: ignore[no-untyped-def]
-    """What two loose wires pull by that are stretched so far, and the slope of that.
+def _missing(at, start, asked, stiff, pull, bends):  # type: ignore[no-untyped-def]
+    """What is missing to balance at an angle, its slope, how taut the wires are, their give.
 
-    Each pulls by softness * log(1 + exp((+-stretch - half) / softness)) / 2.
+    Where wires hang loose, it is the equation of their pull, which never gets steep.
     """
-    size = (abs(stretch) - half) / softness
-    if size > FAR:
-        pull, slope = 0.5 * softness * size, 0.5
-    elif size > -FAR:
-        bite = np.exp(size)
-        pull, slope = 0.5 * softness * np.log1p(bite), 0.5 * bite / (1.0 + bite)
-    else:
-        pull, slope = 0.0, 0.0
-    other = -(abs(stretch) + half) / softness
-    if other > -FAR:
-        bite = np.exp(other)
-        pull -= 0.5 * softness * np.log1p(bite)
-        slope += 0.5 * bite / (1.0 + bite)
-    return pull if stretch > 0.0 else -pull, max(slope, LEAST_PULL)
+    cubic, gravity, zero, unit, contact, give, loose, pretension, bristle, bent = bends
+    load, steep = at * stiff - pull, stiff
+    if cubic != 0.0:
+        load += cubic * at * at * at
+        steep += 3.0 * cubic * at * at
+    if contact.shape[0] > 0 or gravity != 0.0:
+        other, steeper = _stops(at, unit, gravity, zero, contact)
+        load += other
+        steep += steeper
+    for j in range(bristle.shape[0]):
+        stiffness, up, down, release = bristle[j, 0], bristle[j, 1], bristle[j, 2], bristle[j, 3]
+        other, steeper = bristled(bent[j], at - start, stiffness, up, down, release)
+        load += other
+        steep += steeper
+    more, softer, wires = _wires(at, load, steep, give, pretension)
+    rest, slope, taut = at + load + more - asked, 1.0 + steep + softer, 1.0
+    half, sharpness, own, centre = loose
+    if sharpness > 0.0:
+        pulled = own * (at - centre) + load
+        pulling, taut = _loose(pulled - rest, half, sharpness)
+        rest, slope = pulled - pulling, (own + steep) * (1.0 - taut) + taut * slope
+    return rest, max(slope, LEAST_SLOPE), taut, wires
 
 
 @inlined
-def _rested(at, theta, asked, stiff, pull, tangent, body, strings):  # type: ignore[no-untyped-def]
+def _rested(at, start, asked, stiff, pull, tangent, bends):  # type: ignore[no-untyped-def]
     """The angle at which all loads balance, and its tangent.
 
     Newton's method from `at`, held between bounds; a step ends it that is so short that the
-    equation's bend, told from the slope before at `theta`, moves the angle by less than PRECISE.
-    Where wires hang loose, it is the equation of their pull, which never gets steep.
+    equation's bend, told from the slope before at `start`, moves the angle by less than PRECISE.
     """
-    cubic, gravity, zero, radian, contact, bristle, bent = body
-    give, loose, pretension = strings
+    contact = bends[4]
     low, high, under, over = -NEVER, NEVER, -1.0, 1.0
     slope, yielding = tangent[0], tangent[1]
     wires, taut = 0.0, 1.0
     for sweep in range(SWEEPS):
-        load, steep = at * stiff - pull, stiff
-        if cubic != 0.0:
-            load += cubic * at * at * at
-            steep += 3.0 * cubic * at * at
-        if contact.shape[0] > 0 or gravity != 0.0:
-            other, steeper = _stops(at, radian, gravity, zero, contact)
-            load += other
-            steep += steeper
-        for j in range(bristle.shape[0]):
-            stiffness, up, down, release = (
-                bristle[j, 0],
-                bristle[j, 1],
-                bristle[j, 2],
-                bristle[j, 3],
-            )
-            other, steeper = bristled(bent[j], at - theta, stiffness, up, down, release)
-            load += other
-            steep += steeper
-        more, softer, wires = _wires(at, load, steep, give, pretension)
-        rest, last, slope = at + load + more - asked, slope, 1.0 + steep + softer
-        if loose.shape[0] > 0:
-            pulled = loose[0, 2] * (at - loose[0, 3]) + load
-            pulling, taut = _loose(pulled - rest, loose[0, 0], loose[0, 1])
-            rest, slope = pulled - pulling, (loose[0, 2] + steep) * (1.0 - taut) + taut * slope
-        slope = max(slope, LEAST_SLOPE)
+        last = slope
+        rest, slope, taut, wires = _missing(at, start, asked, stiff, pull, bends)
         if slope != last:
             yielding = 1.0 / slope
         move = rest * yielding
@@ -145,9 +170,9 @@ def _rested(at, theta, asked, stiff, pull, tangent, body, strings):  # type: ign
         if at <= low or at >= high:
             share = 0.5 if sweep % 2 else under / (under - over)
             at = low + share * (high - low)
-        elif contact.shape[0] > 0 and abs(move) > contact[0, 3]:
+        elif contact.shape[0] > 0 and abs(move * contact[0, 0]) > 1.0:
             continue
-        elif SAFE * move * move * abs(slope - last) < PRECISE * abs(at + move - theta) * slope:
+        elif SAFE * move * move * abs(slope - last) < PRECISE * abs(at + move - start) * slope:
             break
     return at, (slope, yielding, taut * yielding, (1.0 + taut * wires) * yielding)
 
@@ -191,25 +216,24 @@ def _forces(way, at, ends, slip):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _moved(at, theta, asked, stiff, pull, tangent, body, strings, straight, bank, slip, ends):  # type: ignore[no-untyped-def]
-    """As `_rested`, with sliders: the joint turns, or one after the other of them slides."""
+def _moved(at, joint, asked, stiff, pull, bends, slip, ends):  # type: ignore[no-untyped-def]
+    """A joint (angle, tangent, bank of sliders) that balances anew: it turns, or sliders slide."""
+    theta, tangent, bank = joint
     turned = False
     while True:
         way, stuck, held, near = bank
-        if straight:
+        if bends is None:
             slope = 1.0 + stiff + stuck
             if slope != tangent[0]:
                 tangent = (slope, 1.0 / slope, 1.0 / slope, 1.0 / slope)
             at = (asked + pull - held) * tangent[1]
-            if slip.shape[0] == 0:
-                break
         else:
-            at, tangent = _rested(
-                at, theta, asked, stiff + stuck, pull - held, tangent, body, strings
-            )
+            at, tangent = _rested(at, theta, asked, stiff + stuck, pull - held, tangent, bends)
+        if slip.shape[0] == 0:
+            break
         if way * (at - near) > 0.0:
             bank = _line(way, near, ends, slip)
-        elif way * (at - theta) < 0.0 and not turned and slip.shape[0] > 0:
+        elif way * (at - theta) < 0.0 and not turned:
             turned = True
             _turn(way, theta, ends, slip)
             bank = _line(-way, theta, ends, slip)
@@ -219,19 +243,20 @@ def _moved(at, theta, asked, stiff, pull, tangent, body, strings, straight, bank
 
 
 @inlined
-def _straight(body, strings):  # type: ignore[no-untyped-def]
-    """Whether nothing bends the equation but sliders."""
-    bent = body[0] != 0.0 or body[1] != 0.0 or body[4].shape[0] > 0
-    bent = bent or body[5].shape[0] > 0
-    return not bent and strings[0].shape[0] + strings[1].shape[0] == 0 and strings[2] >= NEVER
+def _without_bristles(bends):  # type: ignore[no-untyped-def]
+    if bends is None:
+        return bends
+    return (*bends[:8], bends[8][:0], bends[9])
 
 
 @inlined
-def _bend(step, bristle, bent):  # type: ignore[no-untyped-def]
+def _bend(step, bends):  # type: ignore[no-untyped-def]
     """Forces of the bristles (in place) after a step of the joint."""
-    for j in range(bristle.shape[0]):
-        stiffness, up, down, release = bristle[j, 0], bristle[j, 1], bristle[j, 2], bristle[j, 3]
-        bent[j] = bristled(bent[j], step, stiffness, up, down, release)[0]
+    if bends is not None:
+        bristle, bent = bends[8], bends[9]
+        for j in range(bristle.shape[0]):
+            stiffness, up, down, free = bristle[j, 0], bristle[j, 1], bristle[j, 2], bristle[j, 3]
+            bent[j] = bristled(bent[j], step, stiffness, up, down, free)[0]
 
 
 @inlined
@@ -273,9 +298,56 @@ def _relax(theta, far, arm, gone):  # type: ignore[no-untyped-def]
     return late
 
 
+@inlined
+def _held(firm, wait, drag, hold):  # type: ignore[no-untyped-def]
+    """How a dashpot holds a joint of that stiffness over a wait: as `hold`, anew.
+
+    hold: stiffness, wait, stiffness of the spring that the dashpot is, a power, the spring's force.
+    """
+    if firm == hold[0] and abs(wait - hold[1]) <= SAME_DWELL * hold[1]:
+        return hold
+    grown, known = _power(min(firm * wait / drag, LONG), hold[3])
+    return firm, wait, firm / max(grown - 1.0, BRIEF), known, hold[4]
+
+
+@inlined
+def _stiffness(tangent, bends):  # type: ignore[no-untyped-def]
+    if bends is None:
+        return tangent[0]
+    return 1.0 / tangent[3]
+
+
+@inlined
+def _dwelt(at, joint, asked, free, load, dwell, drag, firm, hold, bends, slip, ends):  # type: ignore[no-untyped-def]
+    """A joint after a dwell with a dashpot, its own stiffness, how it is held, and its pull.
+
+    In one go, or, where its stiffness changes by more than EVEN on the way, in parts.
+    """
+    before, began, wait, left, whole = joint, firm, dwell, dwell, True
+    at += hold[4] * joint[1][3]
+    while True:
+        start = joint[0]
+        hold = _held(firm, wait, drag, hold)
+        pull = load + hold[2] * start
+        joint = _moved(at, joint, asked, free + hold[2], pull, bends, slip, ends)
+        firm = max(_stiffness(joint[1], bends) - hold[2], SOFTEST)
+        if whole and not EVEN * began < firm < began / EVEN:
+            if joint[2][0] != before[2][0]:
+                _turn(joint[2][0], start, ends, slip)
+            at, joint, firm = start, before, began
+            whole, wait = False, FIRST_PART * dwell
+            continue
+        _bend(joint[0] - start, bends)
+        hold = hold[0], hold[1], hold[2], hold[3], hold[2] * (joint[0] - start)
+        left -= wait
+        if left <= 0.0:
+            return joint, firm, hold, pull
+        at, wait = joint[0] + hold[4] * joint[1][3], min(GROWTH * wait, left)
+
+
 @njit(cache=True, fastmath=True, error_model="numpy", _nrt=False)  # type: ignore[call-overload]
 def balance(  # type: ignore[no-untyped-def]
-    q, pushed, dwell, slip, bristle, arm, drag, body, strings, softest, fresh, state, gone, out
+    q, pushed, dwell, slip, arm, drag, bends, softest, fresh, state, gone, out
 ):
     """Joint angles `out` for the asked angles `q`, (n,) each, and the state to carry (in place).
 
@@ -283,71 +355,40 @@ def balance(  # type: ignore[no-untyped-def]
     stiffness r. A sample is taken after its dwell: first the joint moves at once, then the arms
     relax and it settles again. Where the stiffness r changes on the way, by more than EVEN, a joint
     with drag goes it again in parts of the dwell, each with its own r.
-    body: cubic, gravity, its zero, radian, contacts. strings: gives, loose wires, pretension. gone:
-    (a, 3) zeros to work in. A tangent is the equation's slope, one over it, and how far the joint
-    moves for what is asked and for a load.
+    bends: see `balance.bending`. gone: (a, 3) zeros to work in. A tangent is the equation's slope,
+    one over it, and how far the joint moves for what is asked and for a load.
     """
-    m, arms = slip.shape[0], arm.shape[0]
-    n = m + bristle.shape[0]
-    ends, bent, far = state[2 : 2 + m], state[2 + m : 2 + n], state[2 + n : -1]
-    alone, body = (*body, bristle[:0], bent), (*body, bristle, bent)
-    straight = _straight(body, strings)
-    tangent, asked, theta, firm = (1.0, 1.0, 1.0, 1.0), state[0], state[1], state[-1]
+    arms, hold = arm.shape[0], (-1.0, -1.0, 0.0, (NEVER, 0.0), 0.0)
+    ends, far = state[2 : 2 + slip.shape[0]], state[state.size - 1 - arms : -1]
+    asked, joint, firm = state[0], (state[1], STRAIGHT, (1.0, 0.0, 0.0, NEVER)), state[-1]
     if fresh:
         asked, firm = q[0] + pushed[0], 1.0
-        theta, tangent = _rested(asked, asked, q[0], softest, pushed[0], tangent, alone, strings)
-        far[:] = theta
-    _ends(1.0, theta, ends, slip)
-    bank = _line(1.0, theta, ends, slip)
-    eased, relaxed, firmer, waited, held_back = -1.0, -1.0, -1.0, -1.0, 0.0
-    gone[:, 1], known = NEVER, (NEVER, 0.0)
+        joint, alone = (asked, STRAIGHT, joint[2]), _without_bristles(bends)
+        joint = _moved(asked, joint, q[0], softest, pushed[0], alone, slip[:0], ends)
+        far[:] = joint[0]
+    _ends(1.0, joint[0], ends, slip)
+    joint = (joint[0], joint[1], _line(1.0, joint[0], ends, slip))
+    eased, relaxed, gone[:, 1] = -1.0, -1.0, NEVER
     for t in range(q.size):
-        free, load = _pulled(softest, pushed[t], far, arm)
-        now = q[t] + pushed[t]
-        at, asked, last = theta + (now - asked) * tangent[2], now, theta
+        stiff, pull = _pulled(softest, pushed[t], far, arm)
+        at, last = joint[0] + (q[t] + pushed[t] - asked) * joint[1][2], joint[0]
+        asked = q[t] + pushed[t]
         if drag > 0.0:
-            before, began, wait, left, whole = bank, firm, dwell[t], 0.0, True
-            while True:
-                if firm != firmer or abs(wait - waited) > SAME_DWELL * waited:
-                    firmer, waited = firm, wait
-                    grown, known = _power(min(firm * waited / drag, LONG), known)
-                    held_back = firm / max(grown - 1.0, BRIEF)
-                stiff, pull, start = free + held_back, load + held_back * theta, theta
-                theta, tangent, bank = _moved(
-                    at, theta, q[t], stiff, pull, tangent, body, strings, straight, bank, slip, ends
-                )
-                firm = max(1.0 / tangent[3] - held_back, SOFTEST)
-                if whole and not EVEN * began < firm < began / EVEN:
-                    if bank[0] != before[0]:
-                        _turn(bank[0], last, ends, slip)
-                    at, theta, bank, firm = last, last, before, began
-                    whole, left, wait = False, wait, FIRST_PART * wait
-                    continue
-                _bend(theta - start, bristle, bent)
-                if whole:
-                    break
-                left -= wait
-                if left <= 0.0:
-                    break
-                at, wait = theta, min(GROWTH * wait, left)
+            joint, firm, hold, pull = _dwelt(
+                at, joint, q[t], stiff, pull, dwell[t], drag, firm, hold, bends, slip, ends
+            )
+            stiff += hold[2]
         else:
-            stiff, pull = free, load
-            theta, tangent, bank = _moved(
-                at, theta, q[t], stiff, pull, tangent, body, strings, straight, bank, slip, ends
-            )
-            _bend(theta - last, bristle, bent)
+            joint = _moved(at, joint, q[t], stiff, pull, bends, slip, ends)
+            _bend(joint[0] - last, bends)
         if arms > 0:
-            if eased != tangent[3] or abs(dwell[t] - relaxed) > SAME_DWELL * relaxed:
-                eased, relaxed = tangent[3], dwell[t]
+            if eased != joint[1][3] or abs(dwell[t] - relaxed) > SAME_DWELL * relaxed:
+                eased, relaxed = joint[1][3], dwell[t]
                 _let_go(eased, relaxed, arm, gone)
-            late = _relax(theta, far, arm, gone)
-            at, pull, last = theta + late * eased, pull + late, theta
-            theta, tangent, bank = _moved(
-                at, theta, q[t], stiff, pull, tangent, body, strings, straight, bank, slip, ends
-            )
-            _bend(theta - last, bristle, bent)
-            if drag > 0.0:
-                firm = max(1.0 / tangent[3] - held_back, SOFTEST)
-        out[t] = theta
-    _forces(bank[0], theta, ends, slip)
-    state[0], state[1], state[-1] = asked, theta, firm
+            late, last = _relax(joint[0], far, arm, gone), joint[0]
+            joint = _moved(last + late * eased, joint, q[t], stiff, pull + late, bends, slip, ends)
+            _bend(joint[0] - last, bends)
+            firm = max(_stiffness(joint[1], bends) - hold[2], SOFTEST)
+        out[t] = joint[0]
+    _forces(joint[2][0], joint[0], ends, slip)
+    state[0], state[1], state[-1] = asked, joint[0], firm

@@ -132,17 +132,17 @@ def smooth_columns(
     for other in beside:
         place = (others[other.command] - other.middle) / other.half_range
         columns += [np.clip(place, -REACH, REACH)[:, None], legendre(place)]
-    return np.hstack(columns)
+    return columns[0] if len(columns) == 1 else np.hstack(columns)
 
 
+@njit(cache=True)
 def legendre(x: np.ndarray) -> np.ndarray:
     """Legendre polynomials of orders 2 to 4, shape (n, 3), of x (n,) held within +-REACH."""
-    x = np.clip(x, -REACH, REACH)
-    square = x * x
-    return np.column_stack(
-        [
-            1.5 * square - 0.5,
-            x * (2.5 * square - 1.5),
-            (4.375 * square - 3.75) * square + 0.375,
-        ]
-    )
+    out = np.empty((x.size, 3))
+    for i in range(x.size):
+        held = min(max(x[i], -REACH), REACH)
+        square = held * held
+        out[i, 0] = 1.5 * square - 0.5
+        out[i, 1] = held * (2.5 * square - 1.5)
+        out[i, 2] = (4.375 * square - 3.75) * square + 0.375
+    return out

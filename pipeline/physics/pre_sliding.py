@@ -3,6 +3,8 @@
 import numpy as np
 from numba import njit
 
+from pipeline.physics.decay import decayed
+
 ELEMENTS = 8
 QUANTILES = -np.log(1.0 - (np.arange(ELEMENTS) + 0.5) / ELEMENTS)
 QUANTILES /= QUANTILES.mean()
@@ -68,12 +70,12 @@ def bristled(force, step, stiffness, up, down, release):  # type: ignore[no-unty
         free = np.log(1.0 - release * share) / release if release > 1e-6 else -share
         if way < free:
             if release > 1e-6:
-                share = (1.0 - (1.0 - release * share) * np.exp(-release * way)) / release
+                share = (1.0 - (1.0 - release * share) * decayed(release * way)) / release
             else:
                 share += way
             return side * limit * share, stiffness * (1.0 - release * share)
         share, way = 0.0, way - free
-    left = (1.0 - share) * np.exp(-way)
+    left = (1.0 - share) * decayed(way)
     return side * limit * (1.0 - left), stiffness * left
 
 

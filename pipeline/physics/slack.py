@@ -35,7 +35,7 @@ class Slack(Term):
     def load(self, values: np.ndarray, motion: Motion, state: np.ndarray | None) -> Load:
         width, centre, rounding, stiffness = values
         softness = max(rounding, width / MOST_SHARP)
-        return Load(loose=np.array([[0.5 * width, softness, stiffness, centre]]))
+        return Load(loose=(0.5 * width, softness, stiffness, centre))
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
         span = around.drive_span
