@@ -81,17 +81,18 @@ class CorrectedModel:
         open_variance = np.maximum(np.einsum("ij,jk,ik->i", slopes, self.covariance, slopes), 0.0)
         noise = self.noise.deviation**2 + self.noise.jitter**2
         walked = self.noise.walk**2 * np.arange(len(expected))
-        after = motion.time_s - motion.time_s[0] > self.lasted_s
-        if self.later is not None and after.any():
-            expected = np.where(after, self.later.respond(motion)[0], expected)
+        zero = np.zeros(len(expected))
         if self.zero is not None:
             later = self.zero.later(motion)
             since = self.zero.deviation**2 + self.noise.walk**2 * np.cumsum(later)
-            expected, walked = expected + self.zero.level * later, np.where(later, since, walked)
+            zero, walked = self.zero.level * later, np.where(later, since, walked)
         apart = np.zeros(len(expected))
         for rival in self.rivals:
-            apart += rival.probability * (rival.respond(motion) - expected) ** 2
-        return expected, np.sqrt(noise + walked + open_variance + apart)
+            apart += rival.probability * (rival.respond(motion) - expected - zero) ** 2
+        after = motion.time_s - motion.time_s[0] > self.lasted_s
+        if self.later is not None and after.any():
+            expected = np.where(after, self.later.respond(motion)[0], expected)
+        return expected + zero, np.sqrt(noise + walked + open_variance + apart)
 
     def _slopes(self, motion: Motion, expected: np.ndarray) -> list[np.ndarray]:
         """Change of the prediction for a unit of each parameter, by differences."""
