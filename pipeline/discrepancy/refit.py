@@ -6,10 +6,13 @@ import numpy as np
 
 from pipeline.discrepancy.choose import SLOW, Choice
 from pipeline.discrepancy.explain import INCREDIBLE, Explanation, settled_rows
-from pipeline.discrepancy.fit import evaluate, ground_of, improve
-from pipeline.discrepancy.moments import settle_moments
+from pipeline.discrepancy.fit import Fit, evaluate, ground_of, improve
+from pipeline.discrepancy.intervals import moment_interval, undated
+from pipeline.discrepancy.moments import moments, moments_of, moved, settle_moments
 from pipeline.discrepancy.outliers import isolated
 from pipeline.discrepancy.problem import Problem
+
+COARSE = 8
 
 
 def likeliest(explanation: Explanation, choice: Choice) -> Choice:
@@ -26,7 +29,8 @@ def refitted(problem: Problem, explanation: Explanation, choice: Choice) -> Choi
     """A choice fitted to the held-out rows too, with the terms, forms and noise that were chosen.
 
     For rows after the recording alone: what is said of its own rows has seen no held-out one.
-    Held-out rows that stand off are left out. problem: its rows as a fit takes them, all of them.
+    Held-out rows that stand off are left out, but not those between which a slip lies: now they
+    tell when it was. problem: its rows as a fit takes them, all of them.
     """
     fit, prior = choice.fit, explanation.prior
     known = replace(problem, train=problem.train | problem.heldout)
@@ -35,6 +39,19 @@ def refitted(problem: Problem, explanation: Explanation, choice: Choice) -> Choi
     noise = fit.ground.noise
     odd = isolated(off, known.train, prior.finest)
     odd |= np.abs(off) > INCREDIBLE * np.hypot(noise.deviation, noise.jitter)
+    odd &= ~undated(fit, known.motion.time_s)
     used = known.train & settled_rows(known, prior) & ~odd
-    whole = evaluate(replace(ground, used=used), fit.pieces)
+    whole = dated(evaluate(replace(ground, used=used), fit.pieces), fit)
     return replace(choice, fit=settle_moments(improve(whole)))
+
+
+def dated(fit: Fit, earlier: Fit) -> Fit:
+    """The fit with each slip near the likeliest of the moments that an earlier fit left open."""
+    times = moments(fit)
+    for i, piece in enumerate(earlier.pieces):
+        for j in moments_of(earlier, piece):
+            low, high = moment_interval(earlier, i, j)
+            open_s = times[(times > low) & (times < high)][::COARSE]
+            trials = [moved(fit, i, j, t) for t in open_s]
+            fit = min([fit, *trials], key=lambda trial: trial.cost)
+    return fit

@@ -6,11 +6,13 @@ from types import SimpleNamespace
 from typing import Any, cast
 
 import numpy as np
+import pytest
 
 from pipeline.config import DiagnosisConfig
 from pipeline.discrepancy.choose import Choice
 from pipeline.discrepancy.model import CorrectedModel, as_json, from_json
 from pipeline.discrepancy.refit import likeliest
+from pipeline.physics.mechanism import Mechanism
 from pipeline.recording import Recording
 from pipeline.stages.diagnosis import diagnose
 from pipeline.stages.prediction import predict
@@ -55,6 +57,15 @@ def test_later_rows_are_foretold_better_than_by_what_held_rows_out():
             off = predict([m], longer)[f"{NAME}_predicted"] - clean
             square[who] += float(np.sum(off[later] ** 2))
     assert square["all rows"] < 0.8 * square["rows fitted"]
+
+
+def test_held_out_rows_tell_when_among_them_a_slip_was():
+    slip_s = 3.0 + 3.36 * (2 * 120 + 70.5)
+    model = model_of(recorded({"lost_steps": {"jump": 1.5, "time": slip_s}}, seed=5))
+    first, later = model.mechanism.pieces[0], cast(Mechanism, model.later).pieces[0]
+    assert abs(first.values[1] - slip_s) > 60.0
+    assert abs(later.values[1] - slip_s) < 6.0
+    assert later.values[0] == pytest.approx(1.5, abs=0.08)
 
 
 def test_a_drift_too_unsure_to_be_named_still_goes_on():
