@@ -24,6 +24,7 @@ from pipeline.discrepancy.noise_learning import NoisePrior, learn_noise
 from pipeline.discrepancy.outliers import isolated, returning
 from pipeline.discrepancy.problem import Problem
 from pipeline.discrepancy.screen import effects_of
+from pipeline.discrepancy.ties import RIVAL_GAP, by_names
 from pipeline.physics.catalogue import force_terms, terms
 from pipeline.physics.term import Term
 from pipeline.recording import reversals_of
@@ -32,7 +33,7 @@ MOST_UNSETTLED, MOST_UNREPEATED = 0.3, 0.1
 TURN_ROWS = 2
 OF_ONE_SHAFT = ("transmission_ripple",)
 SURELY = 3.0
-TURNS, STANDING = 4, 1.0
+TURNS, STANDING, SETTLED = 4, 1.0, 3
 INCREDIBLE, MOST_INCREDIBLE = 4.3, 0.03
 
 
@@ -76,8 +77,9 @@ def explain(problem: Problem) -> Explanation:
         choices = choose_again(search, ground_of(problem, prior.model, used), choices)
     choices = contested(search, searched_wide(search, polished(search, choices)))
     if prior.repeats == 0 and problem.derivatives is None:
-        best = resettled(search, choices[0])
-        choices = foretelling(with_slow_terms(search, [best, *choices[1:]]))
+        near = [c for c in by_names(choices) if c.score < choices[0].score + RIVAL_GAP][:SETTLED]
+        still = [resettled(search, c) if any(c is n for n in near) else c for c in choices]
+        choices = foretelling(with_slow_terms(search, still))
     outliers = mistaken_rows(problem, choices[0], prior)
     return Explanation(problem, prior, search, choices, outliers, used)
 

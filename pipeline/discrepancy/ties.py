@@ -88,10 +88,10 @@ def plain(choice: Choice) -> frozenset[str]:
 
 
 def undisguised(choices: Sequence[Choice]) -> Choice:
-    """The best of some choices, or what it is in disguise where that competes with it."""
+    """The best of some choices, or the best of what it is in disguise."""
     best = choices[0]
     wanted = plain(best)
-    same = [c for c in choices if names(c) == wanted and c.score < best.score + RIVAL_GAP]
+    same = [c for c in choices if names(c) == wanted]
     return min(same, key=lambda c: c.score, default=best)
 
 

@@ -38,6 +38,7 @@ def terms(other_commands: Iterable[str] = ()) -> tuple[Term, ...]:
         Backlash(),
         Friction(),
         CapstanFriction(),
+        Slack("home"),
         Slack(),
         Compliance("wire"),
         Compliance("joint"),
@@ -89,6 +90,7 @@ def richer(term: Term) -> tuple[Term, ...]:
             Friction("driven"),
         ),
         ("friction", "capstan"): (CapstanFriction("capstan bristle"),),
+        ("slack", "home"): (Slack(),),
         ("creep", "one"): (Creep("two"),),
         ("tension_loss", "linear"): (TensionLoss("late"), TensionLoss("settling")),
         ("contact", "upper"): (Contact("upper unloading"),),
@@ -118,8 +120,8 @@ def term(name: str, form: str = "", other_commands: Iterable[str] = ()) -> Term:
     found = [t for first in every for t in (first, *richer(first))]
     found += [richest for t in found for richest in richer(t)]
     found.append(Drift("wave"))
-    for candidate in found:
-        if candidate.name == name and form in ("", candidate.form):
-            return candidate
+    same = [t for t in found if t.name == name and form in ("", t.form)]
+    if same:
+        return next((t for t in same if t.form == form), same[0])
     names = ", ".join(dict.fromkeys(t.name for t in found))
     raise TermError(refusal("physics", f"one of {names}", f"{name} {form}".strip(), "Name one."))

@@ -12,9 +12,9 @@ class Slack(Term):
 
     Where nothing else loads the joint, nothing moves within half the width of the centre; otherwise
     the load decides on which side it hangs. `stiffness` is the joint's over the wires'. A wire only
-    pulls, and its slack ends over `rounding` (see `balance.py`). Source: dead-zone
-    nonlinearity, Tao and Kokotovic, Adaptive Control of Systems with Actuator and Sensor
-    Nonlinearities (1996).
+    pulls, and its slack ends over `rounding` (see `balance.py`). In form "home" the centre is where
+    the drive is 0. Source: dead-zone nonlinearity, Tao and Kokotovic, Adaptive Control of Systems
+    with Actuator and Sensor Nonlinearities (1996).
     """
 
     name = "slack"
@@ -22,32 +22,46 @@ class Slack(Term):
     in_balance = True
     says = "Around home both wires hang slack: nothing moves over {width} of drive."
 
+    def __init__(self, form: str = "") -> None:
+        self.form = form
+
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
         span, unit = around.drive_span, around.drive_unit
         middle, far = around.drive_low + 0.5 * span, 0.35 * span
-        return (
-            Parameter("width", unit, 0.0, 0.8 * span, 0.05 * span, 0.05 * span),
-            Parameter("centre", unit, middle - far, middle + far, middle, 0.05 * span),
+        width = Parameter("width", unit, 0.0, 0.8 * span, 0.05 * span, 0.05 * span)
+        centre = Parameter("centre", unit, middle - far, middle + far, middle, 0.05 * span)
+        others = (
             Parameter("rounding", unit, 1e-4 * span, 0.02 * span, 0.002 * span, 0.0004 * span),
             Parameter("stiffness", "", 0.01, 2.0, STIFFNESS, 0.02, weak=True),
         )
+        return (width, *others) if self.form == HOME else (width, centre, *others)
 
     def load(self, values: np.ndarray, motion: Motion, state: np.ndarray | None) -> Load:
-        width, centre, rounding, stiffness = values
+        width, centre, rounding, stiffness = (
+            np.insert(values, 1, 0.0) if self.form == HOME else values
+        )
         softness = max(rounding, width / MOST_SHARP)
         return Load(loose=(0.5 * width, softness, stiffness, centre))
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
-        span = around.drive_span
+        span, widths = around.drive_span, (0.02, 0.06, 0.15, 0.35)
+        if self.form == HOME:
+            return np.array([[width * span, 0.002 * span, STIFFNESS] for width in widths])
         middle = around.drive_low + 0.5 * span
         return np.array(
             [
                 [width * span, middle + centre * span, 0.002 * span, STIFFNESS]
-                for width in (0.02, 0.06, 0.15, 0.35)
+                for width in widths
                 for centre in (-0.15, -0.05, 0.0, 0.05, 0.15)
             ]
         )
 
+    def excited(self, motion: Motion, around: Surroundings) -> bool:
+        """Form "home" where the drive passes 0; the other begins a search only where it doesn't."""
+        home = around.drive_low < 0.0 < around.drive_low + around.drive_span
+        return around.drive_span > 0.0 and home == (self.form == HOME)
 
+
+HOME = "home"
 STIFFNESS = 0.05
 MOST_SHARP = 400.0

@@ -16,6 +16,7 @@ from pipeline.physics.mechanism import Mechanism, Piece
 from pipeline.physics.motion import Motion
 from pipeline.physics.response_lag import ResponseLag
 from pipeline.physics.slack import Slack
+from pipeline.physics.term import Surroundings
 from pipeline.physics.transmission_ripple import TransmissionRipple
 from tests.physics.test_terms import triangle
 
@@ -239,3 +240,13 @@ def test_dwells_of_any_length_are_followed_exactly(late_term, values):
         late += (command[i] - late) * (-np.expm1(-dwell[i] / tau) if i else 0.0)
         expected[i] = (1.0 - share) * command[i] + share * late
     assert seen == pytest.approx(expected, abs=1e-8)
+
+
+def test_slack_at_home_is_slack_whose_centre_is_zero():
+    motion = line(-20.0, 20.0, 81)
+    home = answer(motion, Piece(Slack("home"), np.array([8.0, 0.3, 0.05])))
+    np.testing.assert_allclose(
+        home, answer(motion, Piece(Slack(), np.array([8.0, 0.0, 0.3, 0.05])))
+    )
+    aside = Surroundings(drive_low=5.0, drive_span=60.0)
+    assert [t.form for t in (Slack("home"), Slack()) if t.excited(motion, aside)] == [""]
