@@ -244,6 +244,7 @@ def _moved(at, joint, asked, stiff, pull, bends, slip, ends):  # type: ignore[no
 
 @inlined
 def _without_bristles(bends):  # type: ignore[no-untyped-def]
+    """What bends a joint at the very beginning: bristles stand upright."""
     if bends is None:
         return bends
     return (*bends[:8], bends[8][:0], bends[9])
@@ -312,6 +313,7 @@ def _held(firm, wait, drag, hold):  # type: ignore[no-untyped-def]
 
 @inlined
 def _stiffness(tangent, bends):  # type: ignore[no-untyped-def]
+    """What a load must grow by to move the joint by one, its dashpot's spring included."""
     if bends is None:
         return tangent[0]
     return 1.0 / tangent[3]
