@@ -30,6 +30,7 @@ from pipeline.physics.term import Term
 from pipeline.recording import reversals_of
 
 MOST_UNSETTLED, MOST_UNREPEATED = 0.3, 0.1
+SAME_LEVEL = 0.05
 TURN_ROWS = 2
 OF_ONE_SHAFT = ("transmission_ripple",)
 SURELY = 3.0
@@ -193,12 +194,20 @@ def not_excited(problem: Problem) -> tuple[str, ...]:
 def settled_rows(problem: Problem, prior: NoisePrior) -> np.ndarray:
     """Rows from the first reversal on: before it, the mechanism may remember an earlier motion.
 
-    All rows where that would cost more than three tenths of them, or more than a tenth where no
-    cycle repeats another.
+    All rows where that would cost more than three tenths of them, or more than a tenth where
+    neither a cycle repeats another nor a later stroke the first.
     """
     out = np.ones(len(problem.motion), dtype=bool)
     turns = reversals_of(problem.motion.drive)
-    most = MOST_UNSETTLED if prior.repeats > 0 else MOST_UNREPEATED
+    again = prior.repeats > 0 or strokes_again(problem.motion.drive, turns)
+    most = MOST_UNSETTLED if again else MOST_UNREPEATED
     if len(turns) and turns[0] < most * len(out):
         out[: turns[0]] = False
     return out
+
+
+def strokes_again(drive: np.ndarray, turns: np.ndarray) -> bool:
+    """Whether a drive (n,) that turns at `turns` makes the stroke that it begins with again."""
+    levels = drive[[0, *turns, len(drive) - 1]]
+    off = np.abs(np.column_stack([levels[2:-1] - levels[0], levels[3:] - levels[1]]))
+    return bool(np.any(np.all(off < SAME_LEVEL * np.ptp(drive), axis=1)))

@@ -42,9 +42,23 @@ def notes(
             "front of it, and is fitted as if it came after."
         )
     out += driven_note(problem, evidence)
+    out += walking_note(problem, best)
     if explanation.prior.repeats == 0:
         out.append("No cycle repeats another: the noise was learnt from what is rough alone.")
     return tuple(out)
+
+
+def walking_note(problem: Problem, best: Choice) -> list[str]:
+    """How far a zero that walks goes in a cycle, in words, where that is more than the noise."""
+    noise = best.fit.ground.noise
+    rows = len(best.fit.ground.used) / len(np.unique(best.fit.ground.problem.cycle))
+    far = noise.walk * float(np.sqrt(rows))
+    if far < noise.deviation:
+        return []
+    return [
+        f"The zero walks by about {far:.2g} {problem.around.angle_unit} in a cycle, which no "
+        "commands foretell: the errors hold that too, the noise does not."
+    ]
 
 
 def force_notes(problem: Problem, found: Derivatives, every: int) -> list[str]:

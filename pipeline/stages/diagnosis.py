@@ -7,6 +7,7 @@ from pipeline.discrepancy.diagnose import diagnose_measurement
 from pipeline.discrepancy.force_problem import pose_force_problem
 from pipeline.discrepancy.problem import FEWEST_SAMPLES, DiagnosisError, Problem, pose_problem
 from pipeline.discrepancy.result import DiagnosisResult
+from pipeline.discrepancy.scale import refuse_other_scales
 from pipeline.errors import refusal
 from pipeline.physics.force_motion import position_of
 from pipeline.recording import Recording
@@ -16,7 +17,8 @@ def diagnose(config: DiagnosisConfig, recording: Recording) -> DiagnosisResult:
     """Name the physics that the simulation of each measurement left out.
 
     Every measurement needs its simulation channel in the recording (see `stages/simulation.py`).
-    Raises DiagnosisError where it has none, or where there are too few samples.
+    Raises DiagnosisError where it has none, where there are too few samples, or where numbers are
+    too large or too close to each other to reckon with.
     """
     recording.require(FEWEST_SAMPLES, "a diagnosis")
     measurements = recording.with_role("measurement")
@@ -26,6 +28,7 @@ def diagnose(config: DiagnosisConfig, recording: Recording) -> DiagnosisResult:
                 "recording", "a channel of role 'measurement'", "none", "Add what was measured."
             )
         )
+    refuse_other_scales(recording)
     found = [
         diagnose_measurement(recording, m.name, posed(config, recording, m.name))
         for m in measurements

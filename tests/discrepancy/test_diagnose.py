@@ -240,6 +240,15 @@ def test_a_measurement_of_which_nothing_was_measured_or_simulated_is_refused(cha
         diagnosed(empty)
 
 
+@pytest.mark.parametrize(("scale", "found"), [(1e160, "numbers up to"), (1e-14, "differ by")])
+@pytest.mark.parametrize("channel", [ANGLE, SIMULATED, "pitch_command_deg"])
+def test_numbers_that_can_not_be_reckoned_with_are_refused(channel, scale, found):
+    recording = recorded({})
+    other = changed(recording, **{channel: scale * recording.values(channel)})
+    with pytest.raises(DiagnosisError, match=rf"'{channel}': expected .*{found}"):
+        diagnosed(other)
+
+
 def test_a_measurement_without_simulation_is_refused():
     recording = recorded({})
     bare = replace(recording, channels=recording.channels[:3])

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pandas as pd
+import pytest
 
 from pipeline.config import DiagnosisConfig
 from pipeline.discrepancy.choose import wanders
@@ -79,6 +80,24 @@ def test_a_hum_is_no_noise():
     (found,) = diagnose(DiagnosisConfig(), humming).diagnoses
     assert found.verdict == "unknown_physics"
     assert "every 12.6 samples" in found.unexplained.where
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_what_a_stroke_from_an_end_remembers_is_no_physics(side):
+    """Three short cycles that begin at an end, with the play on either side before."""
+    turn = np.concatenate([np.arange(30), np.arange(30, 0, -1)]) - 15.0
+    command = np.tile(3.0 * turn, 3)
+    before = np.concatenate([[command[0] + side * 20.0], command])
+    time_s = np.arange(len(before)) * 0.5
+    motion = Motion(before, time_s, np.zeros(len(before), dtype=int))
+    clean = Mechanism(CubicCurve(0.8, 0.0), [Piece(term("backlash"), np.array([5.0]))]).respond(
+        motion
+    )[0][1:]
+    noise = NOISE * np.random.default_rng(7).standard_normal(len(command))
+    columns = [time_s[1:], command, clean + noise, 0.8 * command]
+    samples = pd.DataFrame(dict(zip(["time_s", *(c.name for c in CHANNELS)], columns, strict=True)))
+    recording = Recording(with_context(samples, CHANNELS), CHANNELS, "simulated")
+    assert named(recording) == {"backlash"}
 
 
 def test_in_one_cycle_a_bend_takes_no_second_name():
