@@ -57,12 +57,12 @@ class FrameLag(Term):
             return np.array([[0.3], [1.0], [2.0], [4.0]])
         dwell = max(around.dwell_s, 1e-9)
         if self.form == "held":
-            shares = (
+            steps = (
                 np.arange(0.05, 1.0, 0.05),
                 np.arange(1.0, 2.0, 0.1),
                 np.arange(2.0, 5.0, 0.5),
             )
-            lags = dwell * np.concatenate(shares)
+            lags = dwell * np.concatenate(steps)
             return np.column_stack([lags, np.full(len(lags), QUICK)])
         shares = [0.3, 1.0, 2.0, 4.0]
         while 2.0 * shares[-1] * dwell < MOST_S:
