@@ -55,6 +55,7 @@ def terms(other_commands: Iterable[str] = ()) -> tuple[Term, ...]:
         LensDistortion(),
         FrameLag("time"),
         FrameLag("frames"),
+        FrameLag("held"),
         MarkerOutliers(),
         Drift("linear"),
         Drift("cycle"),
@@ -95,7 +96,6 @@ def richer(term: Term) -> tuple[Term, ...]:
         ("tension_loss", "linear"): (TensionLoss("late"), TensionLoss("settling")),
         ("contact", "upper"): (Contact("upper unloading"),),
         ("contact", "lower"): (Contact("lower unloading"),),
-        ("frame_lag", "time"): (FrameLag("held"),),
         ("response_lag", "first"): (ResponseLag("second"),),
         ("coulomb_friction", ""): (
             CoulombFriction("asymmetric"),

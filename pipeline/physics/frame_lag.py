@@ -71,7 +71,7 @@ class FrameLag(Term):
 
     def excited(self, motion: Motion, around: Surroundings) -> bool:
         moves = around.drive_span > 0.0 and around.dwell_s > 0.0
-        return moves and (self.form != "frames" or uneven(motion.time_s))
+        return moves and (self.form == "time" or uneven(motion.time_s))
 
 
 def uneven(time_s: np.ndarray) -> bool:
