@@ -21,7 +21,7 @@ from pipeline.discrepancy.fit import ITERATIONS, evaluate, ground_of, improve
 from pipeline.discrepancy.foretold import foretelling
 from pipeline.discrepancy.noise_family import noise_family
 from pipeline.discrepancy.noise_learning import NoisePrior, learn_noise
-from pipeline.discrepancy.outliers import isolated, returning
+from pipeline.discrepancy.outliers import alike, isolated, returning
 from pipeline.discrepancy.problem import Problem
 from pipeline.discrepancy.screen import effects_of
 from pipeline.discrepancy.ties import RIVAL_GAP, by_names
@@ -150,8 +150,13 @@ def mistaken_rows(problem: Problem, choice: Choice, prior: NoisePrior) -> np.nda
 
 
 def usual(problem: Problem, off: np.ndarray, prior: NoisePrior) -> np.ndarray:
-    """Rows (n,) whose residual `off` (n,) stands off for a reason: a turn, or as in each cycle."""
-    return turning(problem) | returning(off, prior.groups)
+    """Rows (n,) whose residual `off` (n,) stands off for a reason.
+
+    That is a turn, or as in each cycle, or where a stop of several samples begins as at others.
+    """
+    stands = problem.motion.stands
+    arriving = ~stands & np.append(stands[1:], False)
+    return turning(problem) | returning(off, prior.groups) | alike(off, arriving, prior.finest)
 
 
 def turning(problem: Problem) -> np.ndarray:

@@ -8,6 +8,7 @@ from pipeline.discrepancy.noise_learning import robust_deviation
 
 ISOLATED = 5.0
 RETURNS, FEWEST_REPEATS = 0.5, 3
+FEWEST_KIN = 4
 
 
 def isolated(residual: np.ndarray, train: np.ndarray, finest: float) -> np.ndarray:
@@ -37,6 +38,18 @@ def distances(residual: np.ndarray) -> np.ndarray:
     off[-2:] = r[-2:] - np.median(r[-5:])
     out[known] = off
     return out
+
+
+def alike(residual: np.ndarray, kin: np.ndarray, finest: float) -> np.ndarray:
+    """Mask (n,) of kin rows whose residuals (n,) are as far off their neighbours as their kin's.
+
+    Where a joint has just arrived, all may be off what it then stays at.
+    """
+    off = distances(residual)
+    known = kin & np.isfinite(off)
+    if known.sum() < FEWEST_KIN:
+        return np.zeros(len(residual), dtype=bool)
+    return np.asarray(known & (np.abs(off) <= ISOLATED * max(robust_deviation(off[known]), finest)))
 
 
 def returning(residual: np.ndarray, repeats: Sequence[np.ndarray]) -> np.ndarray:
