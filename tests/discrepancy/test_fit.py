@@ -9,7 +9,7 @@ from pipeline.discrepancy.intervals import covariance_of, estimates, wide_covari
 from pipeline.discrepancy.noise import NoiseModel
 from pipeline.discrepancy.noise_family import noise_family
 from pipeline.discrepancy.noise_learning import learn_noise
-from pipeline.discrepancy.outliers import isolated, returning
+from pipeline.discrepancy.outliers import alike, isolated, returning
 from pipeline.discrepancy.problem import pose_problem, static_misfit, thinned
 from pipeline.discrepancy.screen import effects_of
 from pipeline.physics.catalogue import term
@@ -105,6 +105,18 @@ def test_what_stands_off_in_each_repeat_is_no_outlier():
     found = returning(residual, [np.arange(400).reshape(4, 100)])
     lone = isolated(residual, np.ones(400, dtype=bool), 1e-6) & ~found
     assert np.flatnonzero(lone).tolist() == [140]
+
+
+def test_arrivals_are_judged_among_themselves():
+    residual = np.random.default_rng(0).normal(0.0, 0.1, 400)
+    arrivals = np.zeros(400, dtype=bool)
+    arrivals[5::20] = True
+    residual[arrivals] += np.where(np.arange(arrivals.sum()) % 2 == 0, 2.0, -2.0)
+    residual[[105, 250]] = 30.0
+    mistaken = isolated(residual, np.ones(400, dtype=bool), 1e-6)
+    assert mistaken[arrivals].all()
+    mistaken &= ~alike(residual, arrivals, 1e-6)
+    assert np.flatnonzero(mistaken).tolist() == [105, 250]
 
 
 def test_a_static_simulation_is_told_from_a_dynamic_one():
