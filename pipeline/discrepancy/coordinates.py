@@ -179,8 +179,10 @@ def rate_columns(ground: Ground) -> np.ndarray:
 
 
 def other_columns(ground: Ground, name: str) -> np.ndarray:
-    """Functions of another command and of its direction, (n, k)."""
+    """Functions of another command and of its direction, (n, k); empty where it stands still."""
     command = ground.others[name]
+    if not varies(command):
+        return np.zeros((len(ground), 0))
     around = hats(command, even_knots(command, KNOTS))
     return np.hstack([around, ground.others_direction[name][:, None]])
 

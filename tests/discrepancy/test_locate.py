@@ -16,6 +16,7 @@ from pipeline.discrepancy.locate import (
 )
 from pipeline.physics.backlash import play
 from pipeline.physics.motion import Motion
+from pipeline.recording import branch_of
 
 DWELL_S = 3.36
 
@@ -128,6 +129,15 @@ def test_another_axis_is_named_while_it_moves() -> None:
     found = located(motion, 0.05 * motion.others["yaw_command_deg"])
     assert sure(found) == ["other_command:yaw_command_deg"]
     assert found["other_command:yaw_command_deg"].where == "while yaw moves"
+
+
+@pytest.mark.filterwarnings("error")
+def test_another_axis_that_moves_only_where_nothing_is_known_explains_nothing() -> None:
+    motion = rich()
+    unknown = np.where(motion.cycle >= 6, np.nan, 0.0)
+    found = located(motion, unknown + 0.3 * branch_of(motion.drive))
+    assert "other_command:yaw_command_deg" not in found
+    assert sure(found) == ["direction"]
 
 
 def test_a_loop_that_closes_at_a_longer_dwell_is_found_there() -> None:
