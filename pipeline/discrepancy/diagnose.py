@@ -32,14 +32,9 @@ from pipeline.discrepancy.result import (
     Unexplained,
 )
 from pipeline.discrepancy.rivals import hypotheses_of, mechanism_of
+from pipeline.discrepancy.structure import Structure, structure_of
 from pipeline.discrepancy.ties import Standing, standing, undisguised
-from pipeline.discrepancy.verdict import (
-    Structure,
-    fewer,
-    follows,
-    structure_of,
-    sure_of_slow,
-)
+from pipeline.discrepancy.verdict import fewer, follows, sure_of_slow
 from pipeline.discrepancy.zero import zero_at_end
 from pipeline.physics.coupling import Coupling
 from pipeline.recording import Recording

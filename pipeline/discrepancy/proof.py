@@ -9,7 +9,7 @@ from pipeline.discrepancy.explain import Explanation, settled_rows
 from pipeline.discrepancy.intervals import undated
 from pipeline.discrepancy.outliers import isolated
 from pipeline.discrepancy.problem import Problem
-from pipeline.discrepancy.verdict import (
+from pipeline.discrepancy.structure import (
     CHANCE,
     SLOW_CORRELATION,
     SMALLEST_SIZE,
