@@ -9,6 +9,7 @@ import numpy as np
 MOST_ROWS_A_CYCLE = 400
 STEP_AND_WAIT_S = 0.5
 HOLD_SAMPLES = 14
+LARGE_STEPS = 5.0
 
 
 @dataclass(frozen=True)
@@ -92,7 +93,7 @@ def exploring(habit: Habit) -> Block:
     usual = full_cycle(habit)
     varied = [*nested_loops(habit, (0.5, 0.2)), full_cycle(habit, steps=4.0, dwell=5.0)]
     if habit.waits:
-        varied.append(full_cycle(habit, steps=5.0))
+        varied.append(full_cycle(habit, steps=LARGE_STEPS))
     varied += [both(habit, name) for name in habit.others]
     says = "usual cycles with smaller, slower and coarser ones between them"
     return Block(says, [usual, *varied, usual, usual, *varied, *varied])
@@ -113,9 +114,10 @@ def probes(habit: Habit) -> Iterator[tuple[str, list[Segment]]]:
     yield "stops of many samples", [holds(habit)]
     if habit.waits:
         yield "a quick cycle of short waits", [full_cycle(habit, dwell=0.3)]
-        yield "a cycle of large steps", [full_cycle(habit, steps=5.0)]
+        yield "a cycle of large steps", [full_cycle(habit, steps=LARGE_STEPS)]
         quick, slow = full_cycle(habit, dwell=0.3), full_cycle(habit, steps=4.0, dwell=5.0)
-        large = full_cycle(habit, steps=5.0)
+        large = full_cycle(habit, steps=LARGE_STEPS)
+        yield "stops of many samples and a quick cycle", [holds(habit), quick]
         yield "a quick, a slow and a large-stepped cycle", [quick, slow, large]
         small = nested_loops(habit, (0.35, 0.12))
         yield "small loops, a slow cycle and large steps", [*small, slow, large]
@@ -152,18 +154,18 @@ def side_loops(habit: Habit, centres: Sequence[float], reach: float) -> Segment:
 
 
 def holds(habit: Habit) -> Segment:
-    """Leaps half-way to each end and to it, with many samples at each stop."""
+    """To each end and back with many samples at each stop, half-way and there.
+
+    A drive that waits goes there in large steps, but in no leaps: what stretches or hangs slack
+    only then would be new.
+    """
     high, low = habit.high - habit.home, habit.low - habit.home
-    stops = [0.5 * high, high, 0.5 * high, 0.0, 0.5 * low, low, 0.5 * low, 0.0]
-    if habit.waits:
-        leaps = [habit.home + stop for stop in stops]
-        drive = np.repeat(leaps, HOLD_SAMPLES)
-        return Segment(drive, np.full(len(drive), habit.dwell_s))
+    stops = [0.0, 0.5 * high, high, 0.5 * high, 0.0, 0.5 * low, low, 0.5 * low, 0.0]
+    step = habit.step * (LARGE_STEPS if habit.waits else 1.0)
     parts = []
-    for start, stop in zip([0.0, *stops[:-1]], stops, strict=True):
-        way = path([habit.home + start, habit.home + stop], habit.step, habit.dwell_s)
-        still = np.full(HOLD_SAMPLES, habit.home + stop)
-        parts.append(np.concatenate([way.drive, still]))
+    for start, stop in pairwise(stops):
+        way = path([habit.home + start, habit.home + stop], step, habit.dwell_s)
+        parts += [way.drive, np.full(HOLD_SAMPLES, habit.home + stop)]
     drive = np.concatenate(parts)
     return Segment(drive, np.full(len(drive), habit.dwell_s))
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import combinations
+from itertools import combinations, product
 
 import numpy as np
 import pandas as pd
@@ -15,12 +15,13 @@ from pipeline.discrepancy.result import Evidence
 from pipeline.discrepancy.ties import BENDS
 from pipeline.physics.differentiation import differentiate
 from pipeline.physics.force_units import position_behind
+from pipeline.physics.frame_lag import FrameLag
 from pipeline.physics.mechanism import Mechanism, Piece
 from pipeline.physics.motion import Kinetics, Motion
 
 DECISIVE = 4.5
 ENOUGH_POWER = 0.95
-LONGER = 1.5
+LONGER = 2.0
 HOPELESS = 0.3
 LEAST_PROBABILITY = 0.02
 MOST_RIVALS = 4
@@ -211,17 +212,33 @@ class Drive:
 
 
 def weigh(block: Block, drive: Drive, evidence: Evidence, rivals: Sequence[Hypothesis]) -> Weighed:
-    """What a block would tell of each pair of rivals, the worse way round."""
-    motion = drive.motion(block)
-    answers = [rival.mechanism.respond(motion)[0] for rival in rivals]
-    slopes = [slopes_of(rival.mechanism, motion) for rival in rivals]
+    """What a block would tell of each pair of rivals, the worse way round, in their worst forms."""
+    motion, dwell_s = drive.motion(block), float(np.median(np.diff(evidence.motion.time_s)))
+    readings = [
+        [(m.respond(motion)[0], slopes_of(m, motion)) for m in readings_of(r.mechanism, dwell_s)]
+        for r in rivals
+    ]
     found = []
-    for i, j in combinations(range(len(rivals)), 2):
-        off = answers[i] - answers[j]
-        ways = [separation(off, slopes[k], evidence.noise, motion) for k in (i, j)]
-        found.append(min(ways))
+    for ones, others in combinations(readings, 2):
+        found.append(
+            min(
+                separation(one - other, slopes, evidence.noise, motion)
+                for (one, own), (other, its) in product(ones, others)
+                for slopes in (own, its)
+            )
+        )
     distance, rms = np.array(found).T
     return Weighed(block, motion, distance, rms)
+
+
+def readings_of(mechanism: Mechanism, dwell_s: float) -> list[Mechanism]:
+    """A mechanism, and the same with frames that are late by a count: alike at one dwell [s]."""
+    late = [p for p in mechanism.pieces if isinstance(p.term, FrameLag) and p.term.form == "time"]
+    if not late or dwell_s <= 0.0:
+        return [mechanism]
+    counted = Piece(FrameLag("frames"), late[0].values / dwell_s)
+    pieces = tuple(counted if p is late[0] else p for p in mechanism.pieces)
+    return [mechanism, replace(mechanism, pieces=pieces)]
 
 
 def separation(

@@ -96,16 +96,27 @@ def undisguised(choices: Sequence[Choice]) -> Choice:
 
 
 def sharp(fit: Fit, place: int) -> bool:
-    """Whether the corners of a friction (the fit's piece there) are surely sharper than a step."""
+    """Whether the corners of a friction (the fit's piece there) are surely sharper than a step.
+
+    Or sharper than two, of which one sample sees the inside, where they may be as sharp as can be.
+    """
     piece, around = fit.pieces[place], fit.ground.problem.around
-    step = around.step * around.angle_span / max(around.drive_span, 1e-300)
-    named = [p.name for p in parameters_of(fit.ground, piece.term)]
-    values = piece.values.copy()
-    values[named.index("reach")] = step
-    if not piece.term.in_balance or step <= piece.values[named.index("reach")]:
+    step = around.step
+    if not piece.term.before_curve:
+        step *= around.angle_span / max(around.drive_span, 1e-300)
+    parameters = parameters_of(fit.ground, piece.term)
+    reach = [p.name for p in parameters].index("reach")
+
+    def refuted(other: float) -> bool:
+        values = piece.values.copy()
+        values[reach] = other
+        pieces = (*fit.pieces[:place], Piece(piece.term, values), *fit.pieces[place + 1 :])
+        return evaluate(fit.ground, pieces).cost > fit.cost + SURE**2
+
+    if 2.0 * step <= piece.values[reach] or not refuted(2.0 * step):
         return False
-    rounded = (*fit.pieces[:place], Piece(piece.term, values), *fit.pieces[place + 1 :])
-    return evaluate(fit.ground, rounded).cost > fit.cost + SURE**2
+    within = step > piece.values[reach] and refuted(step)
+    return within or not refuted(parameters[reach].low)
 
 
 def names(choice: Choice) -> frozenset[str]:

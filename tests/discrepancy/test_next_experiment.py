@@ -94,6 +94,19 @@ def test_creep_and_friction_are_separated_by_another_step_or_dwell() -> None:
     assert steps[steps > 0].nunique() > 1 or dwells.nunique() > 1
 
 
+def test_late_frames_are_told_from_play_by_stops_and_without_leaps() -> None:
+    """A quick cycle would do for a lag in seconds; frames that are late by a count need a stop."""
+    late = Piece(term("frame_lag", "time"), np.array([1.7]))
+    play = Piece(term("backlash"), np.array([1.2]))
+    found = proposed(rival(0.6, play), rival(0.4, late))
+    assert found.power is not None
+    assert found.power > 0.95
+    assert found.commands is not None
+    steps = found.commands["pitch_command_deg"].diff().abs()
+    assert (steps < 1e-9).any()
+    assert steps.max() < 6.1
+
+
 def test_commands_run_as_they_are_and_keep_to_the_recorded_range(tmp_path: Path) -> None:
     found = proposed(rival(0.6, CREEP), rival(0.4, FRICTION))
     assert found.commands is not None
