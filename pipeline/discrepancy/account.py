@@ -18,7 +18,6 @@ def with_account(
     Only rows that a fit may use are looked at: held-out rows have no say.
     """
     located = located_in(evidence, evidence.residual_before)
-    after = located_in(evidence, evidence.residual_after)
     proposal = next_experiment(evidence, diagnosis.verdict)
     location = tuple(Location(p.coordinate, p.share, p.p_value, p.where) for p in located)
     proposed = None
@@ -27,7 +26,7 @@ def with_account(
         proposed = NextExperiment(proposal.why, file)
     return (
         replace(diagnosis, location=location, next_experiment=proposed),
-        replace(evidence, located=located, located_after=after),
+        replace(evidence, located=located),
         proposal,
     )
 

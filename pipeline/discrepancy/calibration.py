@@ -46,6 +46,8 @@ class Nuisances:
         self, trace: Trace, nuisance: np.ndarray, others: Mapping[str, np.ndarray]
     ) -> np.ndarray:
         """What is measured, (n,), by a trace and nuisances (m,)."""
+        if len(nuisance) == 2 and trace.added is None:
+            return np.asarray(nuisance[0] * trace.seen + nuisance[1])
         calibrated = self.columns(trace, others) @ nuisance
         return calibrated if trace.added is None else calibrated + trace.added
 

@@ -61,6 +61,19 @@ class Weighed:
         return float(np.ptp(self.motion.time_s)) / 60.0
 
 
+@dataclass(frozen=True)
+class Reading:
+    """A mechanism's answer (n,) to a block and its slopes (n, p), both also whitened.
+
+    slopes: for one usual size of each parameter that may be refitted.
+    """
+
+    answer: np.ndarray
+    slopes: np.ndarray
+    white_answer: np.ndarray
+    white_slopes: np.ndarray
+
+
 def next_experiment(evidence: Evidence, verdict: str) -> Proposal | None:
     """What to record after a verdict; None where nothing is open or the drive never moved."""
     drive = Drive.of(evidence)
@@ -215,18 +228,16 @@ def weigh(block: Block, drive: Drive, evidence: Evidence, rivals: Sequence[Hypot
     """What a block would tell of each pair of rivals, the worse way round, in their worst forms."""
     motion, dwell_s = drive.motion(block), float(np.median(np.diff(evidence.motion.time_s)))
     readings = [
-        [(m.respond(motion)[0], slopes_of(m, motion)) for m in readings_of(r.mechanism, dwell_s)]
-        for r in rivals
+        [
+            reading_of(m.respond(motion)[0], slopes_of(m, motion), evidence.noise, motion)
+            for m in readings_of(rival.mechanism, dwell_s)
+        ]
+        for rival in rivals
     ]
-    found = []
-    for ones, others in combinations(readings, 2):
-        found.append(
-            min(
-                separation(one - other, slopes, evidence.noise, motion)
-                for (one, own), (other, its) in product(ones, others)
-                for slopes in (own, its)
-            )
-        )
+    found = [
+        min(w for one, other in product(*pair) for w in (apart(one, other), apart(other, one)))
+        for pair in combinations(readings, 2)
+    ]
     distance, rms = np.array(found).T
     return Weighed(block, motion, distance, rms)
 
@@ -241,24 +252,25 @@ def readings_of(mechanism: Mechanism, dwell_s: float) -> list[Mechanism]:
     return [mechanism, replace(mechanism, pieces=pieces)]
 
 
-def separation(
-    difference: np.ndarray, slopes: np.ndarray, noise: NoiseModel, motion: Motion
-) -> tuple[float, float]:
-    """What refitting can't remove of a difference (n,): whitened length, and rms in its unit.
+def reading_of(
+    answer: np.ndarray, slopes: np.ndarray, noise: NoiseModel, motion: Motion
+) -> Reading:
+    """An answer (n,) and its slopes (n, p) with the same whitened."""
+    used = np.ones(len(answer), dtype=bool)
+    white = noise.whiten(np.column_stack([answer, slopes]), motion.cycle, used, motion.stands)
+    return Reading(answer, slopes, white[:, 0], white[:, 1:])
 
-    slopes: (n, p) of the answer for one usual size of each parameter that may be refitted.
-    """
-    used = np.ones(len(difference), dtype=bool)
-    columns = np.column_stack([difference, slopes])
-    white = noise.whiten(columns, motion.cycle, used, motion.stands)
-    free = np.vstack([white[:, 1:], np.eye(slopes.shape[1]) / FREEDOM])
-    target = np.concatenate([white[:, 0], np.zeros(slopes.shape[1])])
-    refit = np.linalg.lstsq(free, target, rcond=None)[0]
-    left = difference - slopes @ refit
-    return (
-        float(np.linalg.norm(target - free @ refit)),
-        float(np.sqrt(np.mean(left**2))),
-    )
+
+def apart(one: Reading, other: Reading) -> tuple[float, float]:
+    """How far one answer, refitted, stays from another: whitened length, and rms in its unit."""
+    difference, white = other.answer - one.answer, other.white_answer - one.white_answer
+    normal = one.white_slopes.T @ one.white_slopes
+    normal.flat[:: len(normal) + 1] += 1.0 / FREEDOM**2
+    refit = np.linalg.solve(normal, one.white_slopes.T @ white)
+    left = difference - one.slopes @ refit
+    rest = white - one.white_slopes @ refit
+    distance = np.sqrt(rest @ rest + refit @ refit / FREEDOM**2)
+    return float(distance), float(np.sqrt(np.mean(left**2)))
 
 
 def power_of(distance: float) -> float:

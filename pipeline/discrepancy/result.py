@@ -120,8 +120,7 @@ class Evidence:
     before, after: predictions of the simulation as it came and with the named terms.
     deviation: standard deviation of `after` against the measurement. noise: as learnt.
     hypotheses: the best first; its mechanism is what `after` was made with.
-    located, located_after: where the residual of the rows that a fit may use lies, before and
-    after, with the lines of its pictures.
+    located: where the residual of the rows that a fit may use lies, with the lines of its pictures.
     """
 
     recording: Recording
@@ -139,7 +138,6 @@ class Evidence:
     noise: NoiseModel
     hypotheses: tuple[Hypothesis, ...]
     located: tuple[Located, ...] = ()
-    located_after: tuple[Located, ...] = ()
 
     @property
     def residual_before(self) -> np.ndarray:

@@ -11,10 +11,11 @@ from pipeline.discrepancy.model import Hypothesis
 from pipeline.discrepancy.next_experiment import (
     Drive,
     Proposal,
+    apart,
     next_experiment,
     power_of,
+    reading_of,
     rivals_of,
-    separation,
 )
 from pipeline.discrepancy.noise import NoiseModel
 from pipeline.discrepancy.result import Evidence
@@ -251,8 +252,9 @@ def test_what_refitting_can_follow_does_not_separate() -> None:
     motion = Motion(np.arange(200.0), np.arange(200.0), np.zeros(200, dtype=np.int64))
     ramp = np.linspace(-1.0, 1.0, 200)
     slopes = np.column_stack([100.0 * ramp, 100.0 * np.ones(200)])
-    followed, _ = separation(ramp + 0.3, slopes, NOISE, motion)
-    bent, rms = separation(ramp**2, slopes, NOISE, motion)
+    still = reading_of(np.zeros(200), slopes, NOISE, motion)
+    followed, _ = apart(still, reading_of(ramp + 0.3, slopes, NOISE, motion))
+    bent, rms = apart(still, reading_of(ramp**2, slopes, NOISE, motion))
     assert followed < 0.1
     assert bent > 5.0
     assert rms == pytest.approx(np.std(ramp**2), rel=0.05)
