@@ -24,7 +24,20 @@ def covariance_of(fit: Fit) -> np.ndarray:
     With the priors of both; inflated where the innovations are larger than they should be.
     """
     excess = max(float(np.mean(fit.innovations**2)), 1.0)
-    return excess * inverted(np.hstack([fit.calibrating, fit.slopes]), precisions(fit))
+    slopes = np.hstack([fit.calibrating, fit.slopes])
+    return bounded(excess * inverted(slopes, precisions(fit)), fit)
+
+
+def bounded(covariance: np.ndarray, fit: Fit) -> np.ndarray:
+    """The covariance (m, m) with no parameter of a term more open than its bounds are apart.
+
+    A parameter that moves nothing where it stands would else be open without end.
+    """
+    apart = [np.full(len(fit.nuisance), np.inf)]
+    apart += [box.high - box.low for box in (fit.ground.box(p.term) for p in fit.pieces)]
+    deviations = np.sqrt(np.maximum(np.diag(covariance), 1e-300))
+    shrunk = np.minimum(np.concatenate(apart) / deviations, 1.0)
+    return np.asarray(covariance * np.outer(shrunk, shrunk))
 
 
 def precisions(fit: Fit) -> np.ndarray:
@@ -60,7 +73,7 @@ def wide_covariance(fit: Fit, place: Place, family: NoiseFamily) -> np.ndarray:
         average += weight / total * inverted(slopes, precision)
     own, seen = np.diag(average), np.diag(repeated_misfit(fit))
     wider = np.sqrt(np.maximum(np.divide(seen, own, out=np.ones_like(own), where=own > 0), 1.0))
-    return average * np.outer(wider, wider)
+    return bounded(average * np.outer(wider, wider), fit)
 
 
 def repeated_misfit(fit: Fit) -> np.ndarray:

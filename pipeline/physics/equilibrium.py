@@ -148,7 +148,8 @@ def _rested(at, start, asked, stiff, pull, tangent, bends):  # type: ignore[no-u
     """The angle at which all loads balance, and its tangent.
 
     Newton's method from `at`, held between bounds; a step ends it that is so short that the
-    equation's bend, told from the slope before at `start`, moves the angle by less than PRECISE.
+    equation's bend, told from the slope before at `start`, moves the angle by less than PRECISE;
+    where the joint is about to snap over, the slope tells nothing.
     """
     contact = bends[4]
     low, high, under, over = -NEVER, NEVER, -1.0, 1.0
@@ -172,8 +173,9 @@ def _rested(at, start, asked, stiff, pull, tangent, bends):  # type: ignore[no-u
             at = low + share * (high - low)
         elif contact.shape[0] > 0 and abs(move * contact[0, 0]) > 1.0:
             continue
-        elif SAFE * move * move * abs(slope - last) < PRECISE * abs(at + move - start) * slope:
-            break
+        elif slope > LEAST_SLOPE:
+            if SAFE * move * move * abs(slope - last) < PRECISE * abs(at + move - start) * slope:
+                break
     return at, (slope, yielding, taut * yielding, (1.0 + taut * wires) * yielding)
 
 

@@ -161,6 +161,19 @@ def test_a_rounded_loop_of_another_form_is_dry_friction_and_the_rest_is_said():
     assert diagnosis.after.heldout_rmse < 0.08 * diagnosis.before.heldout_rmse
 
 
+def test_play_before_the_damper_is_said_as_a_rest_and_leaves_no_deviation_without_end():
+    t, x, rng = motion()
+    end, force = np.zeros(len(x)), np.zeros(len(x))
+    for k in range(1, len(x)):
+        end[k] = np.clip(end[k - 1], x[k] - 1e-3, x[k] + 1e-3)
+        force[k] = np.clip(force[k - 1] + 4e4 * (end[k] - end[k - 1]), -30.0, 30.0)
+    result = diagnose(DiagnosisConfig(), seen_in_steps(x, force + rng.normal(0.0, 0.5, len(t))))
+    diagnosis = result.diagnoses[0]
+    assert diagnosis.verdict == "partly_explained"
+    assert "coulomb_friction" in [p.name for p in diagnosis.physics]
+    assert np.all(result.evidence[0].deviation < 60.0)
+
+
 def test_a_velocity_command_is_integrated():
     t, x, rng = motion()
     v = CubicSpline(t, x)(t, 1)

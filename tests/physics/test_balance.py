@@ -108,6 +108,16 @@ def test_gravity_solves_its_own_equation():
     np.testing.assert_allclose(out + load, motion.drive, atol=1e-5)
 
 
+@pytest.mark.parametrize("deflection", [80.0, 120.0, 160.0])
+def test_gravity_that_snaps_over_still_solves_its_equation(deflection):
+    drive = 300.0 * np.sin(2 * np.pi * np.linspace(0.0, 3.0, 2000))
+    motion = Motion(drive, np.arange(2000.0), np.zeros(2000, dtype=int), radian=180.0 / np.pi)
+    for zero in np.linspace(-3.0, 3.0, 13):
+        out = answer(motion, Piece(Gravity(), np.array([deflection, zero])))
+        load = deflection * (np.sin(np.deg2rad(out) - zero) + np.sin(zero))
+        np.testing.assert_allclose(out + load, drive, atol=1e-3 * deflection)
+
+
 def test_friction_and_stop_meet_in_one_equation():
     pieces = (
         Piece(Friction(), np.array([6.0, 2.0, 0.7])),
