@@ -18,8 +18,10 @@ from pipeline.discrepancy.fit import (
 from pipeline.discrepancy.moments import settle_moments
 from pipeline.discrepancy.noise_family import NoiseFamily
 from pipeline.discrepancy.screen import PROMISING, Effects, Lead, gains_of, screen, started
+from pipeline.physics.capstan_friction import CapstanFriction
 from pipeline.physics.catalogue import richer
 from pipeline.physics.coupling import Coupling
+from pipeline.physics.friction import Friction
 from pipeline.physics.lost_steps import JUMP_2
 from pipeline.physics.mechanism import Piece
 from pipeline.physics.response_lag import ResponseLag
@@ -39,6 +41,7 @@ FAINT, BEHIND = 15.0, 0.5
 Key = frozenset[tuple[str, str]]
 Place = tuple[int, int, int]
 SLOW = ("lost_steps", "drift")
+SHEATH = CapstanFriction("pretensioned")
 
 
 @dataclass(frozen=True)
@@ -298,19 +301,36 @@ def grown(search: Search, choice: Choice) -> Choice:
 
 
 def merged(search: Search, choice: Choice) -> Choice:
-    """The choice with a creep beside a lag replaced by one lag of second order, if that is better.
+    """The choice with all that comes late replaced by one lag of another form, if that is better.
 
-    Both together can follow what is one lag of another form; neither swap alone leads there.
+    A creep beside a lag can follow what is one lag of second order, and a frame that is old beside
+    play what is a motor that is late; no swap of terms leads there.
     """
-    pieces = choice.fit.pieces
-    late = [p for p in pieces if p.term.group == "lag"]
-    rest = [p for p in pieces if p.term.name != "creep"]
-    if not late or len(rest) == len(pieces):
+    late = [p for p in choice.fit.pieces if p.term.group == "lag" or p.term.name == "creep"]
+    lag = next((p for p in late if p.term.group == "lag"), None)
+    rest = [p for p in choice.fit.pieces if p is lag or p not in late]
+    if lag is None or len(choice.fit.pieces) == 1:
         return choice
-    fit = evaluate(choice.fit.ground, rest)
-    place = next(k for k, p in enumerate(rest) if p is late[0])
-    trial = search.weighed(_reformed(fit, place, ResponseLag("second")), choice.place)
-    return trial if trial.score < choice.score else choice
+    for form in ("second", "motor"):
+        if lag.term.form != form:
+            place = next(k for k, p in enumerate(rest) if p is lag)
+            fit = evaluate(choice.fit.ground, rest)
+            trial = search.weighed(_reformed(fit, place, ResponseLag(form)), choice.place)
+            choice = min(choice, trial, key=lambda c: c.score)
+    return choice
+
+
+def sheathed(search: Search, choice: Choice) -> Choice:
+    """The choice with friction of one width replaced by a share of the pull, if that is better."""
+    for i, piece in enumerate(choice.fit.pieces):
+        key = choice.fit.key | {(piece.term.name, SHEATH.form)}
+        tried = abs(search.plain.get(key, np.inf) - choice.score) < SAME
+        if isinstance(piece.term, Friction) and not tried:
+            trial = search.weighed(_reformed(choice.fit, i, SHEATH), choice.place)
+            if trial.score < choice.score:
+                return trial
+            search.plain[key] = choice.score
+    return choice
 
 
 def _reformed(fit: Fit, place: int, term: Term) -> Fit:
@@ -352,7 +372,7 @@ def polished(search: Search, choices: list[Choice]) -> list[Choice]:
     tried: set[Key] = set()
     for _ in range(3):
         best = min(found.values(), key=lambda c: c.score)
-        richest = merged(search, grown(search, best))
+        richest = sheathed(search, merged(search, grown(search, best)))
         if richest is not best:
             found[richest.fit.key] = best = richest
         for piece in best.fit.pieces:

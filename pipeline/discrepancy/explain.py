@@ -24,7 +24,7 @@ from pipeline.discrepancy.noise_learning import NoisePrior, learn_noise
 from pipeline.discrepancy.outliers import alike, isolated, returning
 from pipeline.discrepancy.problem import Problem
 from pipeline.discrepancy.screen import effects_of
-from pipeline.discrepancy.ties import RIVAL_GAP, by_names
+from pipeline.discrepancy.ties import RIVAL_GAP, by_names, names, plain, plainly
 from pipeline.physics.catalogue import force_terms, terms
 from pipeline.physics.term import Term
 from pipeline.recording import reversals_of
@@ -81,6 +81,7 @@ def explain(problem: Problem) -> Explanation:
         near = [c for c in by_names(choices) if c.score < choices[0].score + RIVAL_GAP][:SETTLED]
         still = [resettled(search, c) if any(c is n for n in near) else c for c in choices]
         choices = foretelling(with_slow_terms(search, still))
+    choices = with_plain(search, choices)
     outliers = mistaken_rows(problem, choices[0], prior)
     return Explanation(problem, prior, search, choices, outliers, used)
 
@@ -130,6 +131,23 @@ def with_slow_terms(search: Search, choices: Sequence[Choice]) -> list[Choice]:
         for child in extended(slow, parent, skip=found):
             found[child.fit.key] = child
     return list(found.values())
+
+
+def with_plain(search: Search, choices: list[Choice]) -> list[Choice]:
+    """The choices, the best also as what it is in disguise, where no search came by that."""
+    best = choices[0]
+    wanted = plain(best)
+    if any(names(c) == wanted for c in choices):
+        return choices
+    pieces = best.fit.pieces
+    kept = [p for p, name in zip(pieces, plainly(best.fit), strict=True) if p.term.name == name]
+    choice = search.weighed(improve(evaluate(best.fit.ground, kept)), best.place)
+    for name in sorted(wanted - names(choice)):
+        alone = replace(search, terms=tuple(t for t in search.terms if t.name == name))
+        found = extended(alone, choice)
+        choice = min(found, key=lambda c: c.score, default=choice)
+    near = names(choice) == wanted and choice.score < best.score + RIVAL_GAP
+    return [*choices, choice] if near else choices
 
 
 def mistaken_rows(problem: Problem, choice: Choice, prior: NoisePrior) -> np.ndarray:

@@ -10,6 +10,7 @@ from pipeline.discrepancy.fit import Fit, evaluate, parameters_of
 from pipeline.discrepancy.intervals import covariance_of
 from pipeline.discrepancy.problem import Problem
 from pipeline.physics.catalogue import terms
+from pipeline.physics.friction import Friction
 from pipeline.physics.mechanism import Piece
 
 TIE = 9.0
@@ -50,13 +51,14 @@ def weights_of(choices: list[Choice]) -> np.ndarray:
 
 
 def standing(name: str, best: Choice, choices: list[Choice], problem: Problem) -> Standing:
-    """What the other choices say of a name of the best one."""
+    """What the other choices say of a name of the best one; one in disguise may be that other."""
     distinct = by_names(choices)
     weights = weights_of(distinct)
     likely = [(w, c) for w, c in zip(weights, distinct, strict=True) if w > NEGLIGIBLE]
-    probability = float(sum(w for w, c in likely if name in plain(c)))
+    shown = plain if name in plain(best) else names
+    probability = float(sum(w for w, c in likely if name in shown(c)))
     rest = names(best) - {name}
-    gaps: dict[str, float] = {}
+    gaps = {} if name in plain(best) else {DISGUISES[name]: 0.0}
     for choice in distinct:
         other = names(choice) - rest
         swapped = rest <= names(choice) and len(other) == 1 and name not in other
@@ -74,17 +76,21 @@ def plain(choice: Choice) -> frozenset[str]:
     A play that does not surely grow, or whose corners are surely sharp, is backlash; a dead zone
     that is not surely wider than nothing is wire that gives way at first.
     """
-    fit, found = choice.fit, set()
-    k = len(fit.nuisance)
+    return frozenset(plainly(choice.fit))
+
+
+def plainly(fit: Fit) -> list[str]:
+    """The same of each piece of a fit."""
+    found, k = [], len(fit.nuisance)
     for i, piece in enumerate(fit.pieces):
         name, hidden = piece.term.name, False
         if name in ("tension_loss", "slack"):
             hidden = bool(piece.values[0] <= SURE * np.sqrt(covariance_of(fit)[k, k]))
-        elif name == "friction":
+        elif isinstance(piece.term, Friction):
             hidden = sharp(fit, i)
-        found.add(DISGUISES[name] if hidden else name)
+        found.append(DISGUISES[name] if hidden else name)
         k += len(piece.values)
-    return frozenset(found)
+    return found
 
 
 def undisguised(choices: Sequence[Choice]) -> Choice:

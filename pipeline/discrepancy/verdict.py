@@ -90,15 +90,16 @@ def singles(explanation: Explanation, choice: Choice) -> list[Choice]:
 def weightier(explanation: Explanation, choice: Choice) -> Choice:
     """Only terms that explain more than all of them together leave.
 
-    What explains less may merely mop up the rest.
+    What explains less may merely mop up the rest. The one that explains least goes first.
     """
-    left = mean_square(explanation, choice)
+    left, without = mean_square(explanation, choice), []
     for piece in choice.fit.pieces:
         rest = [p for p in choice.fit.pieces if p is not piece]
-        fit = improve(evaluate(choice.fit.ground, rest))
-        if mean_square(explanation, replace(choice, fit=fit)) < 2.0 * left:
-            return weightier(explanation, explanation.search.weighed(fit, choice.place))
-    return choice
+        without.append(replace(choice, fit=improve(evaluate(choice.fit.ground, rest))))
+    least = min(without, key=lambda c: mean_square(explanation, c), default=None)
+    if least is None or mean_square(explanation, least) >= 2.0 * left:
+        return choice
+    return weightier(explanation, explanation.search.weighed(least.fit, choice.place))
 
 
 def mean_square(explanation: Explanation, choice: Choice) -> float:

@@ -2,12 +2,13 @@
 
 import numpy as np
 
-from pipeline.physics.force_units import FORCES
+from pipeline.physics.force_units import FORCES, LENGTHS
 from pipeline.physics.motion import Motion
 from pipeline.physics.pre_sliding import dragging, sliding
 from pipeline.physics.term import Parameter, Surroundings, Term
 
 LEAST_PULL = 1e-9
+FAREST_HOME = 20.0
 
 
 class CapstanFriction(Term):
@@ -16,7 +17,9 @@ class CapstanFriction(Term):
     Where reach = wrap and spread = 0, a play in the logarithm: after each reversal nothing comes
     out until the pull has changed by a factor of exp(2 wrap). A wire that is not pulled
     counts as pulled by LEAST_PULL. wrap = friction coefficient times the angle that it is bent by.
-    Form "capstan bristle": z is of one bristle over a `reach` of pull (see `pre_sliding.py`).
+    Form "capstan bristle": z is of one bristle over a `reach` of pull (see `pre_sliding.py`). Form
+    "pretensioned", where a way goes in and a spring pulls at the far end: pull = way + pretension,
+    so that the loop is the wider the further the wire is pulled.
     Sources: capstan equation (Euler 1769; Eytelwein 1808); Kaneko et al., IEEE Trans. Robot.
     Autom. 7 (1991) 351 (tendon in a sheath); bank of sliders: `pre_sliding.py`.
     """
@@ -26,6 +29,11 @@ class CapstanFriction(Term):
     says = (
         "The sheath holds the wire back by a share of its pull: the two ways differ by a factor "
         "of exp(2 x {wrap})."
+    )
+
+    says_of_pretensioned = (
+        "The sheath holds the wire back by a share of its pull: the two ways differ by "
+        "{percent:.2g} % of the way from where the wire would be slack, {pretension} from zero."
     )
 
     def __init__(self, form: str = "capstan") -> None:
@@ -39,21 +47,28 @@ class CapstanFriction(Term):
                 Parameter("reach", around.drive_unit, 1e-3 * span, span, 0.05 * span, 0.1 * span),
                 Parameter("release", "", 0.0, 1.0, 0.8, 0.0),
             )
-        return (
+        own = (
             Parameter("wrap", "", 0.0, 3.0, 0.2, 0.1),
             Parameter("reach", "", 1e-3, 6.0, 0.2, 0.1),
             Parameter("spread", "", 0.0, 1.0, 0.3, 0.3),
         )
+        if self.form != "pretensioned":
+            return own
+        span, home = around.angle_span, -around.angle_low
+        return (*own, Parameter("pretension", around.angle_unit, home + 1e-3 * span,
+                                home + FAREST_HOME * span, home + 0.5 * span, span))  # fmt: skip
 
     def respond(
         self, signal: np.ndarray, motion: Motion, values: np.ndarray, state: np.ndarray | None
     ) -> tuple[np.ndarray, np.ndarray]:
-        wrap, reach, spread = (float(v) for v in values)
+        wrap, reach, spread = (float(v) for v in values[:3])
         if self.form == "capstan bristle":
             share, bent = dragging(signal, reach, spread, state)
             return signal * np.exp(-wrap * share), bent
-        share, slid = sliding(np.log(np.maximum(signal, LEAST_PULL)), reach, spread, state)
-        return signal * np.exp(-wrap * share), slid
+        home = float(values[3]) if self.form == "pretensioned" else 0.0
+        pull = signal + home
+        share, slid = sliding(np.log(np.maximum(pull, LEAST_PULL)), reach, spread, state)
+        return pull * np.exp(-wrap * share) - home, slid
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
         if self.form == "capstan bristle":
@@ -61,17 +76,39 @@ class CapstanFriction(Term):
             return np.array(
                 [[w, r * span, 0.8] for w in (0.05, 0.2, 0.6) for r in (0.01, 0.05, 0.2)]
             )
+        if self.form == "pretensioned":
+            sizes = [(size, 0.5 + far) for size in (0.01, 0.04, 0.15) for far in (0.05, 0.5, 2.0)]
+            span, home = around.angle_span, -around.angle_low - 0.5 * around.angle_span
+            return np.array(
+                [
+                    [0.5 * size / far, 0.5 * size / far, 0.1, home + far * span]
+                    for size, far in sizes
+                ]
+            )
         wraps = (0.05, 0.1, 0.2, 0.35, 0.6, 1.0)
         return np.array([[w, w * r, 0.1] for w in wraps for r in (0.3, 1.0)])
 
     def scaled(self, values: np.ndarray, factor: float) -> np.ndarray:
         """The play in the logarithm stays one: its reach grows with its wrap."""
         out = super().scaled(values, factor)
-        if self.form == "capstan":
+        if self.form != "capstan bristle":
             out[1] *= factor
         return out
 
     def excited(self, motion: Motion, around: Surroundings) -> bool:
-        """Where a force goes in and a force comes out, and the wire is pulled all the time."""
-        forces = around.drive_unit in FORCES and around.angle_unit in FORCES
-        return forces and around.drive_span > 0.0 and around.angle_low > -0.05 * around.angle_span
+        """Where a force goes in and a force comes out, and the wire is pulled all the time.
+
+        A pretensioned one where a length goes in and a length comes out.
+        """
+        units = LENGTHS if self.form == "pretensioned" else FORCES
+        alike = around.drive_unit in units and around.angle_unit in units
+        taut = self.form == "pretensioned" or around.angle_low > -0.05 * around.angle_span
+        return alike and around.drive_span > 0.0 and taut
+
+    def sentence(self, values: np.ndarray, around: Surroundings) -> str:
+        if self.form != "pretensioned":
+            return super().sentence(values, around)
+        return self.says_of_pretensioned.format(
+            percent=100.0 * float(np.expm1(2.0 * values[0])),
+            pretension=f"{abs(values[3]):.3g} {around.angle_unit}",
+        )

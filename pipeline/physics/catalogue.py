@@ -38,6 +38,7 @@ def terms(other_commands: Iterable[str] = ()) -> tuple[Term, ...]:
         Backlash(),
         Friction(),
         CapstanFriction(),
+        CapstanFriction("pretensioned"),
         Slack("home"),
         Slack(),
         Compliance("wire"),
@@ -66,6 +67,7 @@ def terms(other_commands: Iterable[str] = ()) -> tuple[Term, ...]:
 def force_terms() -> tuple[Term, ...]:
     """Every term that a force measured against a position can show, as `terms` does for a chain.
 
+    A spring may harden from the start: beside a simulated one, that is all that is missing.
     No drift that settles: settled at once, it is the offset that dry friction of two sizes needs.
     """
     return (
@@ -74,6 +76,7 @@ def force_terms() -> tuple[Term, ...]:
         ViscousFriction(),
         StribeckFriction(),
         Stiffness(),
+        Stiffness("hardening"),
         Drift("linear"),
         Drift("cycle"),
     )
@@ -96,7 +99,7 @@ def richer(term: Term) -> tuple[Term, ...]:
         ("tension_loss", "linear"): (TensionLoss("late"), TensionLoss("settling")),
         ("contact", "upper"): (Contact("upper unloading"),),
         ("contact", "lower"): (Contact("lower unloading"),),
-        ("response_lag", "first"): (ResponseLag("second"),),
+        ("response_lag", "first"): (ResponseLag("second"), ResponseLag("motor")),
         ("coulomb_friction", ""): (
             CoulombFriction("asymmetric"),
             CoulombFriction("spread"),

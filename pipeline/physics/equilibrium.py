@@ -173,9 +173,11 @@ def _rested(at, start, asked, stiff, pull, tangent, bends):  # type: ignore[no-u
             at = low + share * (high - low)
         elif contact.shape[0] > 0 and abs(move * contact[0, 0]) > 1.0:
             continue
-        elif slope > LEAST_SLOPE:
-            if SAFE * move * move * abs(slope - last) < PRECISE * abs(at + move - start) * slope:
-                break
+        elif (
+            slope > LEAST_SLOPE
+            and SAFE * move * move * abs(slope - last) < PRECISE * abs(at + move - start) * slope
+        ):
+            break
     return at, (slope, yielding, taut * yielding, (1.0 + taut * wires) * yielding)
 
 

@@ -11,6 +11,7 @@ from pipeline.physics.motion import Motion
 from pipeline.physics.term import Term
 
 ORDER = (
+    "response_lag motor",
     "lost_steps",
     "transmission_ripple",
     "backlash",
@@ -143,7 +144,8 @@ class Mechanism:
 
 
 def _place(piece: Piece) -> int:
-    return PLACES.get(piece.term.name, len(PLACES))
+    name = piece.term.name
+    return PLACES.get(f"{name} {piece.term.form}", PLACES.get(name, len(PLACES)))
 
 
 def _apply(

@@ -62,8 +62,10 @@ class ResponseLag(Term):
     A viscous drag in the balance (see `balance.py`): beside other loads the lag depends on them,
     longer where the wires hang slack, shorter against a stop. Form "second", after the balance:
     x'' = w^2 (u - x) - 2 damping w x', w being `natural_frequency`; over the share `moving` of each
-    dwell the command runs to its next value. Exact, however unevenly sampled. Source: first-order
-    lag; Kelvin and Voigt's spring with a dashpot beside it; linear system of second order.
+    dwell the command runs to its next value. Form "motor" is the same of the motor, before gears
+    and wires: as of a servo that is late itself. Exact, however unevenly sampled. Source:
+    first-order lag; Kelvin and Voigt's spring with a dashpot beside it; linear system of second
+    order.
     """
 
     name = "response_lag"
@@ -72,18 +74,19 @@ class ResponseLag(Term):
     timed = True
     says = "The whole motion comes late, with a time constant of {time_constant}."
     says_of_second = (
-        "The whole motion swings after the command, with a natural frequency of "
-        "{natural_frequency} and a damping of {damping}."
+        "{who} swings after the command, with a natural frequency of {natural_frequency} and a "
+        "damping of {damping}."
     )
 
     def __init__(self, form: str = "first") -> None:
         self.form = form
-        self.in_balance = form != "second"
+        self.in_balance = form == "first"
+        self.before_curve = form == "motor"
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
         dwell = max(around.dwell_s, 1e-9)
         longest, usual = max(30.0 * dwell, 0.15 * around.period_s), usual_lag_s(around)
-        if self.form == "second":
+        if self.form != "first":
             low, high = 1.0 / longest, 6.0 / dwell
             return (
                 Parameter("natural_frequency", "rad/s", low, high, 1.0 / usual, 0.0),
@@ -108,7 +111,7 @@ class ResponseLag(Term):
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
         dwell, usual = max(around.dwell_s, 1e-9), usual_lag_s(around)
         lags = {k * unit for k in (0.3, 0.7, 1.5, 4.0) for unit in (dwell, usual)}
-        if self.form == "second":
+        if self.form != "first":
             paces = {k / unit for k in (0.15, 0.5, 1.5) for unit in (dwell, usual)}
             return np.array(
                 [
@@ -122,19 +125,21 @@ class ResponseLag(Term):
 
     def scaled(self, values: np.ndarray, factor: float) -> np.ndarray:
         """A lag of about `factor` times the size; a swing is as slow as its frequency is low."""
-        if self.form == "second":
+        if self.form != "first":
             return values.copy()
         return super().scaled(values, factor)
 
     def void(self, values: np.ndarray) -> bool:
-        return self.form != "second" and super().void(values)
+        return self.form == "first" and super().void(values)
 
     def excited(self, motion: Motion, around: Surroundings) -> bool:
         return around.drive_span > 0.0 and around.dwell_s > 0.0
 
     def sentence(self, values: np.ndarray, around: Surroundings) -> str:
-        if self.form != "second":
+        if self.form == "first":
             return super().sentence(values, around)
         return self.says_of_second.format(
-            natural_frequency=f"{values[0]:.3g} rad/s", damping=f"{values[1]:.2g}"
+            who="The motor itself" if self.form == "motor" else "The whole motion",
+            natural_frequency=f"{values[0]:.3g} rad/s",
+            damping=f"{values[1]:.2g}",
         )

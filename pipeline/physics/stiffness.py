@@ -7,6 +7,13 @@ from pipeline.physics.motion import Kinetics, Motion
 from pipeline.physics.pre_sliding import weighted
 from pipeline.physics.term import Parameter, Surroundings
 
+MOST = 20.0
+
+
+def farthest(around: Surroundings) -> float:
+    """The largest position of either sign [drive unit]."""
+    return max(abs(around.drive_low), abs(around.drive_low + around.drive_span), 1e-12)
+
 
 class Stiffness(ForceTerm):
     """F = stiffness * x, x the position from its own zero; the rest is part of the offset.
@@ -24,11 +31,17 @@ class Stiffness(ForceTerm):
         if self.form == "asymmetric":
             return (own, ASYMMETRY)
         if self.form == "hardening":
-            far = max(abs(around.drive_low), abs(around.drive_low + around.drive_span), 1e-12)
-            unit = f"1/{around.drive_unit}^2"
-            return (own, Parameter("hardening", unit, -1.0 / far**2, 20.0 / far**2, 0.0,
+            far, unit = farthest(around), f"1/{around.drive_unit}^2"
+            return (own, Parameter("hardening", unit, -1.0 / far**2, MOST / far**2, 0.0,
                                    0.5 / far**2))  # fmt: skip
         return (own,)
+
+    def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
+        found = super().candidates(motion, around)
+        if self.form == "hardening":
+            found = np.repeat(found, 2, axis=0)
+            found[1] = found[1, 0] / MOST, MOST / farthest(around) ** 2
+        return found
 
     def force(
         self, motion: Motion, kinetics: Kinetics, values: np.ndarray, state: np.ndarray | None

@@ -161,6 +161,18 @@ def test_a_rounded_loop_of_another_form_is_dry_friction_and_the_rest_is_said():
     assert diagnosis.after.heldout_rmse < 0.08 * diagnosis.before.heldout_rmse
 
 
+def test_a_spring_that_hardens_is_named_beside_one_that_is_simulated():
+    t, x, rng = motion()
+    force = 8e3 * x * (1.0 + (x / 0.012) ** 2) + dahl(t, x, 30.0, 2e-3)
+    table = recording(x, force + rng.normal(0.0, 0.5, len(t)))
+    spring = Channel("force_sim_n", "simulation", "N", of="force_n")
+    channels = (*table.channels, spring)
+    samples = table.samples.assign(force_sim_n=8e3 * x)
+    result = diagnose(DiagnosisConfig(), Recording(samples, channels, "simulated")).diagnoses[0]
+    assert {p.name for p in result.physics} == {"coulomb_friction", "stiffness"}
+    assert result.after.heldout_rmse < 1.0 < result.before.heldout_rmse
+
+
 def test_play_before_the_damper_is_said_as_a_rest_and_leaves_no_deviation_without_end():
     t, x, rng = motion()
     end, force = np.zeros(len(x)), np.zeros(len(x))

@@ -260,3 +260,12 @@ def test_slack_at_home_is_slack_whose_centre_is_zero():
     )
     aside = Surroundings(drive_low=5.0, drive_span=60.0)
     assert [t.form for t in (Slack("home"), Slack()) if t.excited(motion, aside)] == [""]
+
+
+def test_a_motor_that_is_late_moves_the_play_behind_it():
+    time_s = np.arange(400) * 0.02
+    motion = Motion(20.0 * np.sin(3.0 * time_s), time_s, np.zeros(400, dtype=int))
+    lag = Piece(ResponseLag("motor"), np.array([25.0, 0.3, 1.0]))
+    late = Motion(answer(motion, lag), time_s, motion.cycle)
+    play = Piece(Backlash(), np.array([4.0]))
+    np.testing.assert_allclose(answer(motion, play, lag), answer(late, play))

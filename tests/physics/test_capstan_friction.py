@@ -47,24 +47,39 @@ def test_it_is_the_sheath_of_many_segments_and_blocks_join():
     assert np.concatenate([first, rest]) == pytest.approx(out, rel=1e-12)
 
 
+def diagnosed(folder: Path, asked: np.ndarray, out: np.ndarray, cycle: np.ndarray, unit: str):
+    """The diagnosis of what a sheath makes (n,) of what is asked (n,), which is the simulation."""
+    rng = np.random.default_rng(4)
+    measured = 1.02 * out + 0.3 + NOISE_N * rng.standard_normal(len(asked))
+    table = pd.DataFrame(
+        {"time_s": 0.1 * np.arange(len(asked)), "cycle": cycle, "pull": asked, "out": measured,
+         "out_sim": asked}
+    )  # fmt: skip
+    table.to_csv(folder / "samples.csv", index=False)
+    channels = [
+        {"name": "pull", "role": "command", "unit": unit},
+        {"name": "out", "role": "measurement", "unit": unit},
+        {"name": "out_sim", "role": "simulation", "unit": unit, "of": "out"},
+    ]
+    head = {"schema": "loopgap.recording/1", "source": "sheath", "channels": channels}
+    (folder / "recording.json").write_text(json.dumps(head))
+    return diagnose(DiagnosisConfig(), load_recording(folder)).diagnoses[0]
+
+
+def test_a_pretensioned_wire_is_held_back_the_more_the_further_it_is_pulled(tmp_path: Path):
+    pull, cycle = pulls_n()
+    found = diagnosed(tmp_path, pull - 22.0, sheath(pull, 0.1) - 22.0, cycle, "mm")
+    assert (found.verdict, [p.name for p in found.physics]) == ("explained", ["friction"])
+    own = {p.name: p for p in found.physics[0].parameters}
+    assert own["wrap"].value == pytest.approx(0.1, rel=0.05)
+    assert own["pretension"].value == pytest.approx(22.0, rel=0.05)
+    assert found.after.heldout_rmse < 1.1 * NOISE_N
+
+
 @pytest.mark.parametrize("bent", [WRAP, 3 * WRAP])
 def test_a_sheath_is_named_and_its_wrap_found(tmp_path: Path, bent: float):
     pull, cycle = pulls_n()
-    rng = np.random.default_rng(4)
-    measured = 1.02 * sheath(pull, bent) + 0.3 + NOISE_N * rng.standard_normal(len(pull))
-    table = pd.DataFrame(
-        {"time_s": 0.1 * np.arange(len(pull)), "cycle": cycle, "pull_n": pull, "out_n": measured,
-         "out_sim_n": pull}
-    )  # fmt: skip
-    table.to_csv(tmp_path / "samples.csv", index=False)
-    channels = [
-        {"name": "pull_n", "role": "command", "unit": "N"},
-        {"name": "out_n", "role": "measurement", "unit": "N"},
-        {"name": "out_sim_n", "role": "simulation", "unit": "N", "of": "out_n"},
-    ]
-    head = {"schema": "loopgap.recording/1", "source": "sheath", "channels": channels}
-    (tmp_path / "recording.json").write_text(json.dumps(head))
-    found = diagnose(DiagnosisConfig(), load_recording(tmp_path)).diagnoses[0]
+    found = diagnosed(tmp_path, pull, sheath(pull, bent), cycle, "N")
     assert (found.verdict, [p.name for p in found.physics]) == ("explained", ["friction"])
     wrap = found.physics[0].parameters[0]
     assert wrap.low < bent < wrap.high
