@@ -12,18 +12,15 @@ from pipeline.discrepancy.fit import (
     calibrated,
     evaluate,
     improve,
-    parameters_of,
-    respond_beside,
 )
 from pipeline.discrepancy.moments import settle_moments
 from pipeline.discrepancy.noise_family import NoiseFamily
-from pipeline.discrepancy.screen import PROMISING, Effects, Lead, gains_of, screen, started
+from pipeline.discrepancy.reform import reformed
+from pipeline.discrepancy.screen import Effects, Lead, screen, started
 from pipeline.physics.capstan_friction import CapstanFriction
 from pipeline.physics.catalogue import richer
 from pipeline.physics.coupling import Coupling
 from pipeline.physics.friction import Friction
-from pipeline.physics.lost_steps import JUMP_2
-from pipeline.physics.mechanism import Piece
 from pipeline.physics.response_lag import ResponseLag
 from pipeline.physics.term import Term
 
@@ -292,7 +289,7 @@ def grown(search: Search, choice: Choice) -> Choice:
             key = choice.fit.key - {(piece.term.name, piece.term.form)} | {(term.name, term.form)}
             if abs(search.plain.get(key, np.inf) - choice.score) < SAME:
                 continue
-            trial = search.weighed(_reformed(choice.fit, i, term), choice.place)
+            trial = search.weighed(reformed(choice.fit, i, term), choice.place)
             if trial.score < choice.score:
                 choice = trial
             else:
@@ -315,7 +312,7 @@ def merged(search: Search, choice: Choice) -> Choice:
         if lag.term.form != form:
             place = next(k for k, p in enumerate(rest) if p is lag)
             fit = evaluate(choice.fit.ground, rest)
-            trial = search.weighed(_reformed(fit, place, ResponseLag(form)), choice.place)
+            trial = search.weighed(reformed(fit, place, ResponseLag(form)), choice.place)
             choice = min(choice, trial, key=lambda c: c.score)
     return choice
 
@@ -326,41 +323,11 @@ def sheathed(search: Search, choice: Choice) -> Choice:
         key = choice.fit.key | {(piece.term.name, SHEATH.form)}
         tried = abs(search.plain.get(key, np.inf) - choice.score) < SAME
         if isinstance(piece.term, Friction) and not tried:
-            trial = search.weighed(_reformed(choice.fit, i, SHEATH), choice.place)
+            trial = search.weighed(reformed(choice.fit, i, SHEATH), choice.place)
             if trial.score < choice.score:
                 return trial
             search.plain[key] = choice.score
     return choice
-
-
-def _reformed(fit: Fit, place: int, term: Term) -> Fit:
-    """The fit with another form of a term, begun from the values that both have."""
-    old = fit.pieces[place]
-    had = [p.name for p in parameters_of(fit.ground, old.term)]
-    names = [p.name for p in parameters_of(fit.ground, term)]
-    starts = term.candidates(fit.ground.problem.motion, fit.ground.problem.around)
-    if len(names) > len(had) and set(had) <= set(names):
-        starts[:, [names.index(name) for name in had]] = old.values
-        starts = np.unique(starts, axis=0)
-    before, after = fit.pieces[:place], fit.pieces[place + 1 :]
-    if any(p.stepwise for p in parameters_of(fit.ground, term)):
-        starts = _sized(fit, place, term, starts)
-    trials = [evaluate(fit.ground, (*before, Piece(term, values), *after)) for values in starts]
-    trials.sort(key=lambda t: t.cost)
-    return min((settle_moments(improve(t, 8)) for t in trials[:2]), key=lambda t: t.cost)
-
-
-def _sized(fit: Fit, place: int, term: Term, starts: np.ndarray) -> np.ndarray:
-    """The starts (k, p) of a second slip that promise most, each with the jump that suits it."""
-    before, after = fit.pieces[:place], fit.pieces[place + 1 :]
-    traces = [respond_beside(fit, (*before, Piece(term, v), *after), term) for v in starts]
-    answers = [fit.ground.answer(t, fit.nuisance) for t in traces]
-    columns = np.column_stack(answers) - fit.predicted[:, None]
-    gains, factors = gains_of(fit, np.ones(len(starts), dtype=bool), columns)
-    best = np.argsort(-gains)[:PROMISING]
-    out = starts[best]
-    out[:, JUMP_2] *= factors[best]
-    return out
 
 
 def polished(search: Search, choices: list[Choice]) -> list[Choice]:

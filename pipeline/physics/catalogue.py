@@ -86,7 +86,13 @@ def richer(term: Term) -> tuple[Term, ...]:
     """Forms of a term that hold more of the real thing; their first parameters are the same."""
     others: dict[tuple[str, str], tuple[Term, ...]] = {
         ("lost_steps", "once"): (LostSteps("twice"),),
-        ("transmission_ripple", "first"): (TransmissionRipple("second"),),
+        ("transmission_ripple", "first"): (
+            TransmissionRipple("first afloat"),
+            TransmissionRipple("second"),
+            TransmissionRipple("second afloat"),
+        ),
+        ("transmission_ripple", "first afloat"): (TransmissionRipple("second afloat"),),
+        ("transmission_ripple", "second"): (TransmissionRipple("second afloat"),),
         ("friction", "symmetric"): (
             Friction("asymmetric"),
             Friction("bristle"),

@@ -74,6 +74,11 @@ def test_two_hidden_terms_are_both_named():
     assert names(diagnosed(recorded(hidden, seed=2))) == {"backlash", "contact"}
 
 
+def test_a_ripple_draws_no_bend_where_the_zero_was_not_taken_at_home():
+    ripple = {"transmission_ripple/first afloat": {"amplitude": 3.0, "period": 22.0, "phase": 1.5}}
+    assert names(diagnosed(recorded(ripple, seed=11))) == {"transmission_ripple"}
+
+
 def test_friction_and_creep_of_one_dwell_list_each_other():
     result = diagnosed(recorded({"friction": {"width": 3.0, "reach": 3.0}}, seed=4))
     physics = result.diagnoses[0].physics

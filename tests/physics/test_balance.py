@@ -229,12 +229,24 @@ def test_another_axis_pulls_the_wires_of_a_curved_joint():
     np.testing.assert_allclose(pulled, expected, atol=1e-5)
 
 
-def test_a_ripple_counts_from_where_the_drive_is_zero():
+def test_a_ripple_counts_from_where_the_drive_is_zero_or_from_its_mean():
     motion = line(-30.0, 30.0, 61)
-    first = answer(motion, Piece(TransmissionRipple(), np.array([2.0, 13.0, 1.1])))
-    second = answer(motion, Piece(TransmissionRipple("second"), np.array([2.0, 13, 1.1, 0.4, 2.0])))
-    assert first[30] == pytest.approx(0.0, abs=1e-12)
-    assert second[30] == pytest.approx(0.0, abs=1e-12)
+    mean = {"first": 2.0 * np.sin(1.1), "second": 2.0 * np.sin(1.1) + 0.4 * np.sin(2.0)}
+    for form, values in (("first", [2.0, 13.0, 1.1]), ("second", [2.0, 13.0, 1.1, 0.4, 2.0])):
+        homed = answer(motion, Piece(TransmissionRipple(form), np.array(values)))
+        afloat = answer(motion, Piece(TransmissionRipple(f"{form} afloat"), np.array(values)))
+        assert homed[30] == pytest.approx(0.0, abs=1e-12)
+        np.testing.assert_allclose(afloat - homed, mean[form], atol=1e-12)
+
+
+def test_the_longer_of_two_waves_may_be_told_as_an_overtone():
+    motion = line(-30.0, 30.0, 61)
+    ripple = TransmissionRipple("second")
+    same, longer = ripple.retold(np.array([[2.0, 13.0, 1.1, 0.0, 0.3]]))
+    np.testing.assert_allclose(
+        answer(motion, Piece(ripple, longer)), answer(motion, Piece(ripple, same)), atol=1e-12
+    )
+    assert longer[1] == 26.0
 
 
 @pytest.mark.parametrize(("late_term", "values"), [(ResponseLag(), [2.0]), (Creep(), [0.3, 5.0])])
