@@ -282,10 +282,13 @@ def allowed(terms: Sequence[Term], fit: Fit) -> list[Term]:
     ]
 
 
-def grown(search: Search, choice: Choice) -> Choice:
-    """The choice with each term in the richer form that its score prefers, if any."""
+def grown(search: Search, choice: Choice, but: Container[str] = ()) -> Choice:
+    """The choice with each term in the richer form that its score prefers, if any.
+
+    but: names whose forms stay.
+    """
     for i, piece in enumerate(choice.fit.pieces):
-        for term in richer(piece.term):
+        for term in () if piece.term.name in but else richer(piece.term):
             key = choice.fit.key - {(piece.term.name, piece.term.form)} | {(term.name, term.form)}
             if abs(search.plain.get(key, np.inf) - choice.score) < SAME:
                 continue

@@ -3,10 +3,12 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
-from pipeline.discrepancy.choose import LEAST_GAIN, Choice, Key, Search, choose, polished
-from pipeline.discrepancy.ties import BENDS, RIVAL_GAP, names, plain
+from pipeline.discrepancy.choose import LEAST_GAIN, Choice, Key, Search, choose, grown, polished
+from pipeline.discrepancy.fit import evaluate, improve
+from pipeline.discrepancy.ties import BENDS, RIVAL_GAP, by_names, names, plain
 
 MOST = 2
+FAR = 3.0 * RIVAL_GAP
 
 
 def contested(search: Search, choices: Sequence[Choice]) -> list[Choice]:
@@ -31,6 +33,29 @@ def contested(search: Search, choices: Sequence[Choice]) -> list[Choice]:
                 found[choice.fit.key] = choice
         if own_choices[0].score < best.score - LEAST_GAIN:
             break
+    return sorted(found.values(), key=lambda c: c.score)
+
+
+def levelled(search: Search, choices: Sequence[Choice]) -> list[Choice]:
+    """The choices (best first), with near rivals of one other name in forms as rich as suit them.
+
+    A search grows the forms of what is best on its way: a rival that was left with plainer ones
+    looks worse than its name is. It takes over the forms of the names that both have; its own name
+    is grown.
+    """
+    best = choices[0]
+    found: dict[Key, Choice] = {c.fit.key: c for c in choices}
+    near = [c for c in by_names(list(choices)) if c.score < best.score + FAR]
+    for rival in [c for c in near if len(names(c) ^ names(best)) == 2][:MOST]:
+        shared = [p for p in best.fit.pieces if p.term.name in names(rival)]
+        own = [p for p in rival.fit.pieces if p.term.name not in names(best)]
+        taken = evaluate(best.fit.ground, (*shared, *own))
+        if taken.key != rival.fit.key:
+            taken_over = search.weighed(improve(taken), best.place)
+            rival = min(rival, taken_over, key=lambda c: c.score)
+        richest = grown(search, rival, but=names(best))
+        if richest.fit.key not in found or richest.score < found[richest.fit.key].score:
+            found[richest.fit.key] = richest
     return sorted(found.values(), key=lambda c: c.score)
 
 

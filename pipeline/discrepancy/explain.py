@@ -16,7 +16,7 @@ from pipeline.discrepancy.choose import (
     extended,
     polished,
 )
-from pipeline.discrepancy.contested import contested
+from pipeline.discrepancy.contested import contested, levelled
 from pipeline.discrepancy.fit import ITERATIONS, evaluate, ground_of, improve
 from pipeline.discrepancy.foretold import foretelling
 from pipeline.discrepancy.noise_family import noise_family
@@ -76,7 +76,8 @@ def explain(problem: Problem) -> Explanation:
         used = problem.train & settled & ~found
         search = Search(candidates, effects, noise_family(prior, problem, used))
         choices = choose_again(search, ground_of(problem, prior.model, used), choices)
-    choices = contested(search, searched_wide(search, polished(search, choices)))
+    choices = levelled(search, searched_wide(search, polished(search, choices)))
+    choices = contested(search, choices)
     if prior.repeats == 0 and problem.derivatives is None:
         near = [c for c in by_names(choices) if c.score < choices[0].score + RIVAL_GAP][:SETTLED]
         still = [resettled(search, c) if any(c is n for n in near) else c for c in choices]

@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 
 from pipeline.config import DiagnosisConfig
-from pipeline.discrepancy.contested import contested, rival_names
+from pipeline.discrepancy.contested import contested, levelled, rival_names
 from pipeline.discrepancy.explain import explain, refuted, searched_wide
-from pipeline.discrepancy.fit import evaluate
+from pipeline.discrepancy.fit import evaluate, improve
 from pipeline.discrepancy.problem import pose_problem
 from pipeline.physics.catalogue import term
 from pipeline.physics.mechanism import Piece
@@ -45,3 +45,22 @@ def test_a_rival_that_lacks_a_name_is_looked_for_from_the_beginning():
     assert rival_names([more, stuck, base]) == [frozenset(hidden)]
     assert contested(found.search, [more, stuck, base])[0].score < more.score
     assert rival_names([replace(more, score=best.score - 100.0), best, base]) == []
+
+
+def test_a_near_rival_is_weighed_in_the_form_that_suits_it():
+    recording = recorded({"response_lag/second": {"natural_frequency": 0.15, "damping": 0.3}})
+    simulated = recording.values("pitch_angle_sim_deg")
+    found = explain(pose_problem(DiagnosisConfig(), recording, "pitch_angle_deg", simulated))
+    search, best = found.search, found.choices[0]
+
+    def alone(name: str, value: float):
+        begun = evaluate(best.fit.ground, (Piece(term(name), np.array([value])),))
+        return search.weighed(improve(begun), best.place)
+
+    late, first = alone("frame_lag", 3.0), alone("response_lag", 2.0)
+    near = replace(first, score=late.score + 20.0)
+    again = levelled(search, [late, near])
+    assert again[0].fit.names == ("response_lag",)
+    assert again[0].fit.key != near.fit.key
+    assert again[0].score < late.score
+    assert levelled(search, [late, replace(first, score=late.score + 100.0)])[0] is late
