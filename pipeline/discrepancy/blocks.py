@@ -113,11 +113,12 @@ def probes(habit: Habit) -> Iterator[tuple[str, list[Segment]]]:
     yield "a small loop of fine steps", [loop(habit, 0.15, steps=0.2)]
     yield "stops of many samples", [holds(habit)]
     if habit.waits:
-        yield "a quick cycle of short waits", [full_cycle(habit, dwell=0.3)]
-        yield "a cycle of large steps", [full_cycle(habit, steps=LARGE_STEPS)]
         quick, slow = full_cycle(habit, dwell=0.3), full_cycle(habit, steps=4.0, dwell=5.0)
-        large = full_cycle(habit, steps=LARGE_STEPS)
-        yield "stops of many samples and a quick cycle", [holds(habit), quick]
+        large, fine = full_cycle(habit, steps=LARGE_STEPS), loop(habit, 0.08, steps=0.2)
+        yield "a quick cycle of short waits", [quick]
+        yield "a cycle of large steps", [large]
+        says = "stops of many samples, a quick cycle and a small loop of fine steps"
+        yield says, [holds(habit), quick, fine]
         yield "a quick, a slow and a large-stepped cycle", [quick, slow, large]
         small = nested_loops(habit, (0.35, 0.12))
         yield "small loops, a slow cycle and large steps", [*small, slow, large]

@@ -21,7 +21,7 @@ from pipeline.physics.motion import Kinetics, Motion
 
 DECISIVE = 4.5
 ENOUGH_POWER = 0.95
-LONGER = 2.0
+LONGER = 2.2
 HOPELESS = 0.3
 LEAST_PROBABILITY = 0.02
 MOST_RIVALS = 4
@@ -298,7 +298,7 @@ def slopes_of(mechanism: Mechanism, motion: Motion) -> np.ndarray:
 
 
 def choice_of(weighed: Sequence[Weighed], pairs: np.ndarray) -> Weighed:
-    """What tells the wanted pairs (mask) farthest apart in about the time of the shortest block.
+    """What tells the wanted pairs (mask) farthest apart, not much longer than the shortest block.
 
     A rival has other forms than the one that is weighed, and the real thing has none of them: what
     just suffices on paper does not. The most powerful block where none is powerful enough.
