@@ -12,6 +12,7 @@ from pipeline.discrepancy.fit import (
     calibrated,
     evaluate,
     improve,
+    parameters_of,
 )
 from pipeline.discrepancy.moments import settle_moments
 from pipeline.discrepancy.noise_family import NoiseFamily
@@ -21,6 +22,7 @@ from pipeline.physics.capstan_friction import CapstanFriction
 from pipeline.physics.catalogue import richer
 from pipeline.physics.coupling import Coupling
 from pipeline.physics.friction import Friction
+from pipeline.physics.mechanism import Piece
 from pipeline.physics.response_lag import ResponseLag
 from pipeline.physics.term import Term
 
@@ -320,6 +322,20 @@ def merged(search: Search, choice: Choice) -> Choice:
     return choice
 
 
+def lagging(search: Search, choice: Choice) -> Choice:
+    """The choice with a lag in place of a creep at the largest of its shares, if that is better.
+
+    Such a creep, with what mends it, is a lag of the whole motion; no swap of one term leads there.
+    """
+    for creep in (p for p in choice.fit.pieces if p.term.name == "creep"):
+        if creep.values[0] >= parameters_of(choice.fit.ground, creep.term)[0].high:
+            rest = [p for p in choice.fit.pieces if p is not creep and p.term.group != "lag"]
+            lag = Piece(ResponseLag(), creep.values[1:2])
+            fit = improve(evaluate(choice.fit.ground, [*rest, lag]))
+            return min(choice, search.weighed(fit, choice.place), key=lambda c: c.score)
+    return choice
+
+
 def sheathed(search: Search, choice: Choice) -> Choice:
     """The choice with friction of one width replaced by a share of the pull, if that is better."""
     for i, piece in enumerate(choice.fit.pieces):
@@ -342,7 +358,7 @@ def polished(search: Search, choices: list[Choice]) -> list[Choice]:
     tried: set[Key] = set()
     for _ in range(3):
         best = min(found.values(), key=lambda c: c.score)
-        richest = sheathed(search, merged(search, grown(search, best)))
+        richest = sheathed(search, lagging(search, merged(search, grown(search, best))))
         if richest is not best:
             found[richest.fit.key] = best = richest
         for piece in best.fit.pieces:

@@ -51,7 +51,10 @@ def weights_of(choices: list[Choice]) -> np.ndarray:
 
 
 def standing(name: str, best: Choice, choices: list[Choice], problem: Problem) -> Standing:
-    """What the other choices say of a name of the best one; one in disguise may be that other."""
+    """What the other choices say of a name of the best one; one in disguise may be that other.
+
+    Those that are the best one in disguise say nothing, but for slack that may be what bends.
+    """
     distinct = by_names(choices)
     weights = weights_of(distinct)
     likely = [(w, c) for w, c in zip(weights, distinct, strict=True) if w > NEGLIGIBLE]
@@ -62,7 +65,7 @@ def standing(name: str, best: Choice, choices: list[Choice], problem: Problem) -
     for choice in distinct:
         other = names(choice) - rest
         swapped = rest <= names(choice) and len(other) == 1 and name not in other
-        if swapped and plain(choice) == names(choice):
+        if swapped and (name in BENDS or plain(choice) == names(choice)):
             gaps.setdefault(next(iter(other)), choice.score - best.score)
     tied = [n for n, gap in gaps.items() if gap < TIE]
     known = [n for n in equivalents(name, problem) if n not in names(best) | set(tied)]

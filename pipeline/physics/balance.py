@@ -5,9 +5,10 @@ f = slips[theta] + arms[theta] + stretch(theta) + gravity(theta) + contacts(thet
 
 q is the angle that the wire asks for, theta the angle that the joint takes; every load f is
 divided by the stiffness of the wire, so that it is the angle [angle unit] by which the wire gives
-way. What a slack or toeing wire gives way besides depends on its whole force, k theta + f, k being
-the joint's own stiffness over the wire's. Where f exceeds the wires' pretension, one of the two
-hangs slack and the other gives way twice as much. Slips are springs with dry sliders in series
+way. Beside slack it is that of the one wire that pulls: slack of no width leaves other loads as
+they are. What a slack or toeing wire gives way besides depends on its whole force, k theta + f, k
+being the joint's own stiffness over the wire's. Where f exceeds the wires' pretension, one of the
+two hangs slack and the other gives way twice as much. Slips are springs with dry sliders in series
 (Iwan, J. Appl. Mech. 33 (1966) 893), bristles bend and let go (`pre_sliding.py`), arms are springs
 with dashpots in series (Maxwell). A dashpot beside them, drag theta', holds the joint where it was
 when a dwell began; over a dwell of length t it pulls as a spring of stiffness r / (exp(r t / drag)

@@ -55,6 +55,4 @@ class Compliance(Term):
         half = 0.5 * around.angle_span
         if self.form == "joint":
             return np.array([[h / half**2, s] for h in (0.03, 0.3) for s in (0.0, 0.2)])
-        return np.array(
-            [[0.1, r * half, s, 0.2] for r in (0.05, 0.12, 0.25, 0.5) for s in (0.0, 0.3)]
-        )
+        return np.array([[0.1, r * half, 0.0, 0.1] for r in (0.05, 0.12, 0.25, 0.5)])

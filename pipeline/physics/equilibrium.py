@@ -89,11 +89,11 @@ def _stops(at, unit, gravity, zero, contact):  # type: ignore[no-untyped-def]
 def _loose(stretch, half, sharpness):  # type: ignore[no-untyped-def]
     """What two loose wires pull by that are stretched so far, and the slope of that.
 
-    Each pulls by log(1 + exp((+-stretch - half) * sharpness)) / sharpness / 2.
+    Each pulls by log(1 + exp((+-stretch - half) * sharpness)) / sharpness.
     """
     up, steep = _ramp((stretch - half) * sharpness)
     down, steeper = _ramp((-stretch - half) * sharpness)
-    return 0.5 / sharpness * (up - down), max(0.5 * (steep + steeper), LEAST_PULL)
+    return (up - down) / sharpness, max(steep + steeper, LEAST_PULL)
 
 
 @inlined
@@ -137,9 +137,10 @@ def _missing(at, start, asked, stiff, pull, bends):  # type: ignore[no-untyped-d
     rest, slope, taut = at + load + more - asked, 1.0 + steep + softer, 1.0
     half, sharpness, own, centre = loose
     if sharpness > 0.0:
-        pulled = own * (at - centre) + load
-        pulling, taut = _loose(pulled - rest, half, sharpness)
-        rest, slope = pulled - pulling, (own + steep) * (1.0 - taut) + taut * slope
+        held = own * (at - centre)
+        pulling, taut = _loose(held + load - rest, half, sharpness)
+        rest = 2.0 * held + load - pulling
+        slope = 2.0 * own + steep + taut * (slope - steep - own)
     return rest, max(slope, LEAST_SLOPE), taut, wires
 
 
@@ -324,11 +325,25 @@ def _stiffness(tangent, bends):  # type: ignore[no-untyped-def]
 
 
 @inlined
+def _taut(at, asked, bends):  # type: ignore[no-untyped-def]
+    """Which of two loose wires pulls a joint at an angle: 1, -1, or 0 for neither of them."""
+    side = 0.0
+    if bends is not None:
+        half, sharpness, own, centre = bends[6]
+        stretch = own * (at - centre) + asked - at
+        if sharpness > 0.0 and abs(stretch) > half:
+            side = 1.0 if stretch > 0.0 else -1.0
+    return side
+
+
+@inlined
 def _dwelt(at, joint, asked, free, load, dwell, drag, firm, hold, bends, slip, ends):  # type: ignore[no-untyped-def]
     """A joint after a dwell with a dashpot, its own stiffness, how it is held, and its pull.
 
-    In one go, or, where its stiffness changes by more than EVEN on the way, in parts.
+    In one go, or, where its stiffness changes by more than EVEN on the way, or it comes to hang on
+    another wire, in parts.
     """
+    taut = _taut(joint[0], asked, bends)
     before, began, wait, left, whole = joint, firm, dwell, dwell, True
     at += hold[4] * joint[1][3]
     while True:
@@ -337,7 +352,8 @@ def _dwelt(at, joint, asked, free, load, dwell, drag, firm, hold, bends, slip, e
         pull = load + hold[2] * start
         joint = _moved(at, joint, asked, free + hold[2], pull, bends, slip, ends)
         firm = max(_stiffness(joint[1], bends) - hold[2], SOFTEST)
-        if whole and not EVEN * began < firm < began / EVEN:
+        even = EVEN * began < firm < began / EVEN and taut == _taut(joint[0], asked, bends)
+        if whole and not even:
             if joint[2][0] != before[2][0]:
                 _turn(joint[2][0], start, ends, slip)
             at, joint, firm = start, before, began

@@ -63,5 +63,5 @@ class Slack(Term):
 
 
 HOME = "home"
-STIFFNESS = 0.05
+STIFFNESS = 0.03
 MOST_SHARP = 400.0

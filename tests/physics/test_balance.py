@@ -172,6 +172,25 @@ def test_loose_wires_balance_beside_a_lag():
     assert np.abs(out - motion.drive).max() < 10.0
 
 
+def test_slack_of_no_width_leaves_a_lag_and_a_friction_as_they_are():
+    motion = triangle(2)
+    slack = Piece(Slack("home"), np.array([0.0, 0.01, 1e-6]))
+    for other in (Piece(ResponseLag(), np.array([8.0])), Piece(Friction(), np.array([3, 4, 0.5]))):
+        np.testing.assert_allclose(answer(motion, slack, other), answer(motion, other), atol=1e-3)
+
+
+def test_a_lagging_joint_creeps_between_its_loose_wires_over_a_long_dwell():
+    drive = np.r_[np.linspace(0.0, 10.0, 20), np.linspace(9.0, 3.0, 7)]
+    coarse = Motion(drive, 9.0 * np.arange(len(drive)), np.zeros(len(drive), dtype=int))
+    held = np.r_[drive[0], np.repeat(drive[1:], 60)]
+    fine = Motion(held, 9.0 / 60 * np.arange(len(held)), np.zeros(len(held), dtype=int))
+    slack = Piece(Slack("home"), np.array([4.0, 0.01, 0.02]))
+    lag = Piece(ResponseLag(), np.array([4.0]))
+    settled = answer(fine, slack, lag)[::60]
+    assert settled[-1] > drive[-1] + 1.0
+    np.testing.assert_allclose(answer(coarse, slack, lag), settled, atol=0.03)
+
+
 def test_a_soft_stop_gives():
     motion = line(0.0, 60.0, 601)
     out = answer(motion, Piece(EndStop("upper"), np.array([30.0, 0.01, 0.05])))
