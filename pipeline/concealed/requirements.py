@@ -21,12 +21,12 @@ class Requirement:
     rich: float | None
     figure: FigureOf
 
-    def met(self, excitation: str, found: float) -> bool | None:
-        """Whether the bound is kept; None without a bound or a figure."""
+    def met(self, excitation: str, found: float) -> str:
+        """Whether the bound is kept, "yes" or "no"; empty without a bound or a figure."""
         bound = self.plain if excitation == "plain" else self.rich
         if bound is None or not np.isfinite(found):
-            return None
-        return found >= bound if self.sign == ">=" else found <= bound
+            return ""
+        return "yes" if (found >= bound if self.sign == ">=" else found <= bound) else "no"
 
 
 def _share(values: "pd.Series[bool]") -> Figure:
