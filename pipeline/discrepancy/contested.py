@@ -3,8 +3,17 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
-from pipeline.discrepancy.choose import LEAST_GAIN, Choice, Key, Search, choose, grown, polished
+from pipeline.discrepancy.choose import (
+    LEAST_GAIN,
+    SLOW,
+    Choice,
+    Key,
+    Search,
+    choose,
+    grown,
+)
 from pipeline.discrepancy.fit import evaluate, improve
+from pipeline.discrepancy.polish import polished
 from pipeline.discrepancy.ties import BENDS, RIVAL_GAP, by_names, names, plain
 
 MOST = 2
@@ -41,12 +50,13 @@ def levelled(search: Search, choices: Sequence[Choice]) -> list[Choice]:
 
     A search grows the forms of what is best on its way: a rival that was left with plainer ones
     looks worse than its name is. It takes over the forms of the names that both have; its own name
-    is grown.
+    is grown. What is slow is left as it is: enough slips follow any drift.
     """
     best = choices[0]
     found: dict[Key, Choice] = {c.fit.key: c for c in choices}
     near = [c for c in by_names(list(choices)) if c.score < best.score + FAR]
-    for rival in [c for c in near if len(names(c) ^ names(best)) == 2][:MOST]:
+    near = [c for c in near if len(names(c) ^ names(best)) == 2]
+    for rival in [c for c in near if not (names(c) - names(best)) & set(SLOW)][:MOST]:
         shared = [p for p in best.fit.pieces if p.term.name in names(rival)]
         own = [p for p in rival.fit.pieces if p.term.name not in names(best)]
         taken = evaluate(best.fit.ground, (*shared, *own))

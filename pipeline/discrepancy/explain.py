@@ -14,7 +14,6 @@ from pipeline.discrepancy.choose import (
     choose,
     choose_again,
     extended,
-    polished,
 )
 from pipeline.discrepancy.contested import contested, levelled
 from pipeline.discrepancy.fit import ITERATIONS, evaluate, ground_of, improve
@@ -22,6 +21,7 @@ from pipeline.discrepancy.foretold import foretelling
 from pipeline.discrepancy.noise_family import noise_family
 from pipeline.discrepancy.noise_learning import NoisePrior, learn_noise
 from pipeline.discrepancy.outliers import alike, isolated, returning
+from pipeline.discrepancy.polish import polished
 from pipeline.discrepancy.problem import Problem
 from pipeline.discrepancy.screen import effects_of
 from pipeline.discrepancy.ties import RIVAL_GAP, by_names, names, plain, plainly

@@ -1,0 +1,113 @@
+"""Polish: deletions, swaps and richer forms of the best choice, and moves that no swap makes."""
+
+import numpy as np
+
+from pipeline.discrepancy.choose import SAME, Choice, Key, Search, extended, grown
+from pipeline.discrepancy.fit import evaluate, improve, parameters_of
+from pipeline.discrepancy.reform import reformed
+from pipeline.physics.capstan_friction import CapstanFriction
+from pipeline.physics.friction import Friction
+from pipeline.physics.mechanism import Piece
+from pipeline.physics.response_lag import ResponseLag
+
+SHEATH = CapstanFriction("pretensioned")
+WORTH = 150.0
+
+
+def polished(search: Search, choices: list[Choice]) -> list[Choice]:
+    """Richer forms, deletions and swaps of the best as long as it gets better.
+
+    Where friction that is a share of the pull suits the best better than friction of one width, it
+    is polished so as well: what mends the one form's error would hide the other.
+    """
+    best = min(choices, key=lambda c: c.score)
+    found = _polished(search, choices)
+    plain = min(
+        (c for c in found if set(c.fit.names) == set(best.fit.names)), key=lambda c: c.score
+    )
+    sheath = sheathed(search, plain)
+    if sheath is plain:
+        return found
+    both = {c.fit.key: c for c in reversed(found)}
+    for choice in _polished(search, [*choices, sheath]):
+        if choice.fit.key not in both or choice.score < both[choice.fit.key].score:
+            both[choice.fit.key] = choice
+    return sorted(both.values(), key=lambda c: c.score)
+
+
+def _polished(search: Search, choices: list[Choice]) -> list[Choice]:
+    """A swap begins from the rest refitted, and from the rest as it stood beside the old term."""
+    found = {c.fit.key: c for c in choices}
+    tried: set[Key] = set()
+    for _ in range(3):
+        best = min(found.values(), key=lambda c: c.score)
+        richest = lagging(search, merged(search, grown(search, best)))
+        if richest is not best:
+            found[richest.fit.key] = best = richest
+        for piece in best.fit.pieces:
+            rest = [p for p in best.fit.pieces if p is not piece]
+            key = frozenset((p.term.name, p.term.form) for p in rest)
+            if key in tried:
+                continue
+            tried.add(key)
+            fit = improve(evaluate(best.fit.ground, rest))
+            without = search.weighed(fit, best.place)
+            if without.score < best.score + WORTH:
+                without = grown(search, without)
+            found[without.fit.key] = without
+            if without.fit.key != key:
+                found.setdefault(key, without)
+            unmoved = evaluate(without.fit.ground, rest)
+            for child in extended(search, without, 5, begun=[unmoved]):
+                if child.fit.key not in found or child.score < found[child.fit.key].score:
+                    found[child.fit.key] = child
+        if min(found.values(), key=lambda c: c.score) is best:
+            break
+    return sorted(found.values(), key=lambda c: c.score)
+
+
+def merged(search: Search, choice: Choice) -> Choice:
+    """The choice with all that comes late replaced by one lag of another form, if that is better.
+
+    A creep beside a lag can follow what is one lag of second order, and a frame that is old beside
+    play what is a motor that is late; no swap of terms leads there.
+    """
+    late = [p for p in choice.fit.pieces if p.term.group == "lag" or p.term.name == "creep"]
+    lag = next((p for p in late if p.term.group == "lag"), None)
+    rest = [p for p in choice.fit.pieces if p is lag or p not in late]
+    if lag is None or len(choice.fit.pieces) == 1:
+        return choice
+    for form in ("second", "motor"):
+        if lag.term.form != form:
+            place = next(k for k, p in enumerate(rest) if p is lag)
+            fit = evaluate(choice.fit.ground, rest)
+            trial = search.weighed(reformed(fit, place, ResponseLag(form)), choice.place)
+            choice = min(choice, trial, key=lambda c: c.score)
+    return choice
+
+
+def lagging(search: Search, choice: Choice) -> Choice:
+    """The choice with a lag in place of a creep at the largest of its shares, if that is better.
+
+    Such a creep, with what mends it, is a lag of the whole motion; no swap of one term leads there.
+    """
+    for creep in (p for p in choice.fit.pieces if p.term.name == "creep"):
+        if creep.values[0] >= parameters_of(choice.fit.ground, creep.term)[0].high:
+            rest = [p for p in choice.fit.pieces if p is not creep and p.term.group != "lag"]
+            lag = Piece(ResponseLag(), creep.values[1:2])
+            fit = improve(evaluate(choice.fit.ground, [*rest, lag]))
+            return min(choice, search.weighed(fit, choice.place), key=lambda c: c.score)
+    return choice
+
+
+def sheathed(search: Search, choice: Choice) -> Choice:
+    """The choice with friction of one width replaced by a share of the pull, if that is better."""
+    for i, piece in enumerate(choice.fit.pieces):
+        key = choice.fit.key | {(piece.term.name, SHEATH.form)}
+        tried = abs(search.plain.get(key, np.inf) - choice.score) < SAME
+        if isinstance(piece.term, Friction) and not tried:
+            trial = search.weighed(reformed(choice.fit, i, SHEATH), choice.place)
+            if trial.score < choice.score:
+                return trial
+            search.plain[key] = choice.score
+    return choice
