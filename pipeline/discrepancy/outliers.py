@@ -56,7 +56,8 @@ def returning(residual: np.ndarray, repeats: Sequence[np.ndarray]) -> np.ndarray
     """Mask (n,) of residuals that stand off from their neighbours in most repeats of their step.
 
     That is what the mechanism does there, as at a stop that only the end of a stroke meets, and no
-    mistake. repeats: row numbers (repeats, steps), -1 where a cycle lacks one.
+    mistake; two of three may be mistakes that met. repeats: row numbers (repeats, steps), -1 where
+    a cycle lacks one.
     """
     off = distances(residual)
     out = np.zeros(len(residual), dtype=bool)
@@ -64,6 +65,7 @@ def returning(residual: np.ndarray, repeats: Sequence[np.ndarray]) -> np.ndarray
         values = np.where(rows >= 0, off[rows], np.nan)
         steps = np.isfinite(values).sum(axis=0) >= FEWEST_REPEATS
         usual = np.nanmedian(values[:, steps], axis=0)
+        agree = np.sum(values[:, steps] * usual > RETURNS * usual**2, axis=0) >= FEWEST_REPEATS
         again = values[:, steps] * usual > RETURNS * values[:, steps] ** 2
-        out[rows[:, steps][again]] = True
+        out[rows[:, steps][again & agree]] = True
     return out

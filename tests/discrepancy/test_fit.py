@@ -107,6 +107,12 @@ def test_what_stands_off_in_each_repeat_is_no_outlier():
     assert np.flatnonzero(lone).tolist() == [140]
 
 
+def test_two_mistakes_that_meet_at_one_step_of_three_cycles_are_mistakes():
+    residual = 0.1 * np.random.default_rng(0).standard_normal(300)
+    residual[[52, 252]] -= 20.0
+    assert not returning(residual, [np.arange(300).reshape(3, 100)])[[52, 252]].any()
+
+
 def test_arrivals_are_judged_among_themselves():
     residual = np.random.default_rng(0).normal(0.0, 0.1, 400)
     arrivals = np.zeros(400, dtype=bool)
