@@ -11,10 +11,10 @@ from numba import njit
 
 from pipeline.physics.decay import decayed
 from pipeline.physics.pre_sliding import bristled
+from pipeline.physics.tabled import inlined, ramped, waved
 
 SWEEPS = 40
 PRECISE = 1e-6
-FAR = 14.0
 LONG, BRIEF, SOFTEST = 300.0, 1e-9, 0.05
 LEAST_PULL, LEAST_SLOPE = 1e-12, 1e-3
 SAFE = 16.0
@@ -23,51 +23,7 @@ SAME_DWELL = 1e-9
 EVEN = 0.8
 FIRST_PART, GROWTH = 0.04, 1.6
 NEARBY = 0.01
-PER_UNIT, ENDED = 32, 512
-TURN = 256
 STRAIGHT = (1.0, 1.0, 1.0, 1.0)
-
-
-def _ramps() -> np.ndarray:
-    """Cubics for log(1 + exp(-x)), (ENDED, 4), each over 1 / PER_UNIT of x from 0 on; to 3e-10."""
-    x = np.arange(ENDED + 1) / PER_UNIT
-    value, slope = np.log1p(np.exp(-x)), -1.0 / (1.0 + np.exp(x)) / PER_UNIT
-    rise, begin, end = np.diff(value), slope[:-1], slope[1:]
-    return np.column_stack([value[:-1], begin, 3.0 * rise - 2.0 * begin - end,
-                            begin + end - 2.0 * rise])  # fmt: skip
-
-
-RAMPS = _ramps()
-WAVE = np.sin(2.0 * np.pi / TURN * np.arange(TURN + TURN // 4))
-
-# Nothing here allocates an array, so that nothing needs to count references to one (half the time).
-inlined = njit(  # type: ignore[call-overload]
-    cache=True, fastmath=True, error_model="numpy", forceinline=True, _nrt=False
-)
-
-
-@inlined
-def _ramp(x):  # type: ignore[no-untyped-def]
-    """log(1 + exp(x)) and its slope, 0 or x beyond FAR."""
-    size = abs(x)
-    if size >= FAR:
-        return (x, 1.0) if x > 0.0 else (0.0, 0.0)
-    k = int(size * PER_UNIT) & (ENDED - 1)  # an index of the table, whatever x is
-    u = size * PER_UNIT - k
-    a, b, c, d = RAMPS[k, 0], RAMPS[k, 1], RAMPS[k, 2], RAMPS[k, 3]
-    value, slope = a + u * (b + u * (c + u * d)), -PER_UNIT * (b + u * (2.0 * c + u * 3.0 * d))
-    return (x + value, 1.0 - slope) if x > 0.0 else (value, slope)
-
-
-@inlined
-def _wave(x):  # type: ignore[no-untyped-def]
-    """sin(x) and cos(x), from the nearest of TURN angles on."""
-    place = x * (TURN / (2.0 * np.pi))
-    nearest = np.rint(place)
-    d, k = (place - nearest) * (2.0 * np.pi / TURN), int(nearest) & (TURN - 1)
-    sine, cosine, square = WAVE[k], WAVE[k + TURN // 4], d * d
-    along, across = 1.0 - square * (0.5 - square / 24.0), d * (1.0 - square / 6.0)
-    return sine * along + cosine * across, cosine * along - sine * across
 
 
 @inlined
@@ -75,11 +31,11 @@ def _stops(at, unit, gravity, zero, contact):  # type: ignore[no-untyped-def]
     """Load of gravity (but for what it is at 0), contacts and stops at an angle, and its slope."""
     load, slope = 0.0, 0.0
     if gravity != 0.0:
-        sine, cosine = _wave(at * unit - zero)
+        sine, cosine = waved(at * unit - zero)
         load, slope = gravity * sine, gravity * unit * cosine
     for j in range(contact.shape[0]):
         sharpness, force = contact[j, 0], contact[j, 2]
-        bite, steep = _ramp(sharpness * (at - contact[j, 1]))
+        bite, steep = ramped(sharpness * (at - contact[j, 1]))
         load += force * bite
         slope += force * sharpness * steep
     return load, slope
@@ -91,8 +47,8 @@ def _loose(stretch, half, sharpness):  # type: ignore[no-untyped-def]
 
     Each pulls by log(1 + exp((+-stretch - half) * sharpness)) / sharpness.
     """
-    up, steep = _ramp((stretch - half) * sharpness)
-    down, steeper = _ramp((-stretch - half) * sharpness)
+    up, steep = ramped((stretch - half) * sharpness)
+    down, steeper = ramped((-stretch - half) * sharpness)
     return (up - down) / sharpness, max(steep + steeper, LEAST_PULL)
 
 

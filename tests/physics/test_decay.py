@@ -3,7 +3,7 @@
 import numpy as np
 
 from pipeline.physics.decay import decayed
-from pipeline.physics.equilibrium import RAMPS, WAVE, _ramp, _wave
+from pipeline.physics.tabled import RAMPS, WAVE, ramped, waved
 
 
 def test_a_decay_is_the_exponential():
@@ -13,7 +13,7 @@ def test_a_decay_is_the_exponential():
 
 def test_ramps_and_waves_are_what_their_equations_say():
     x = np.linspace(-13.9, 13.9, 20_001)
-    ramp, wave = np.array([_ramp(v) for v in x]), np.array([_wave(v) for v in x])
+    ramp, wave = np.array([ramped(v) for v in x]), np.array([waved(v) for v in x])
     np.testing.assert_allclose(ramp[:, 0], np.log1p(np.exp(x)), atol=1e-9)
     np.testing.assert_allclose(ramp[:, 1], 1.0 / (1.0 + np.exp(-x)), atol=1e-7)
     np.testing.assert_allclose(wave, np.column_stack([np.sin(x), np.cos(x)]), atol=1e-11)
@@ -22,4 +22,4 @@ def test_ramps_and_waves_are_what_their_equations_say():
 def test_what_is_no_number_reads_no_table_beyond_its_end():
     assert np.all(np.isfinite(RAMPS))
     assert np.all(np.isfinite(WAVE))
-    assert np.all(np.isnan([decayed(np.nan), _ramp(np.nan)[0], _wave(np.nan)[0]]))
+    assert np.all(np.isnan([decayed(np.nan), ramped(np.nan)[0], waved(np.nan)[0]]))
