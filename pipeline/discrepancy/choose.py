@@ -163,6 +163,14 @@ def choose_again(search: Search, ground: Ground, earlier: Sequence[Choice]) -> l
     return list(found.values())
 
 
+def best_of_each(choices: Sequence[Choice]) -> list[Choice]:
+    """The best choice of each set of terms and forms, the best first."""
+    best: dict[Key, Choice] = {}
+    for choice in sorted(choices, key=lambda c: c.score):
+        best.setdefault(choice.fit.key, choice)
+    return list(best.values())
+
+
 def promising(choices: Sequence[Choice], base: float, clear: float) -> list[Choice]:
     """The best few, but for those that gained much less than the best on an empty explanation."""
     best, *rest = sorted(choices, key=lambda c: c.score)[:BEAM]

@@ -7,8 +7,8 @@ from pipeline.discrepancy.choose import (
     LEAST_GAIN,
     SLOW,
     Choice,
-    Key,
     Search,
+    best_of_each,
     choose,
     grown,
 )
@@ -28,8 +28,7 @@ def contested(search: Search, choices: Sequence[Choice]) -> list[Choice]:
     the beginning, among their own names only, until one wins clearly. What bends one static curve
     is one name here.
     """
-    best = choices[0]
-    found: dict[Key, Choice] = {c.fit.key: c for c in choices}
+    best, found = choices[0], list(choices)
     ground = next(c for c in choices if not c.fit.pieces).fit.ground
     for wanted in rival_names(choices)[:MOST]:
         own = tuple(t for t in search.terms if t.name in wanted)
@@ -37,12 +36,10 @@ def contested(search: Search, choices: Sequence[Choice]) -> list[Choice]:
         own_choices = choose(confined, ground)
         if own_choices[0].score < best.score + RIVAL_GAP:
             own_choices = polished(confined, own_choices)
-        for choice in own_choices:
-            if choice.fit.key not in found or choice.score < found[choice.fit.key].score:
-                found[choice.fit.key] = choice
+        found += own_choices
         if own_choices[0].score < best.score - LEAST_GAIN:
             break
-    return sorted(found.values(), key=lambda c: c.score)
+    return best_of_each(found)
 
 
 def levelled(search: Search, choices: Sequence[Choice]) -> list[Choice]:
@@ -52,8 +49,7 @@ def levelled(search: Search, choices: Sequence[Choice]) -> list[Choice]:
     looks worse than its name is. It takes over the forms of the names that both have; its own name
     is grown. What is slow is left as it is: enough slips follow any drift.
     """
-    best = choices[0]
-    found: dict[Key, Choice] = {c.fit.key: c for c in choices}
+    best, found = choices[0], list(choices)
     near = [c for c in by_names(list(choices)) if c.score < best.score + FAR]
     near = [c for c in near if len(names(c) ^ names(best)) == 2]
     for rival in [c for c in near if not (names(c) - names(best)) & set(SLOW)][:MOST]:
@@ -63,10 +59,8 @@ def levelled(search: Search, choices: Sequence[Choice]) -> list[Choice]:
         if taken.key != rival.fit.key:
             taken_over = search.weighed(improve(taken), best.place)
             rival = min(rival, taken_over, key=lambda c: c.score)
-        richest = grown(search, rival, but=names(best))
-        if richest.fit.key not in found or richest.score < found[richest.fit.key].score:
-            found[richest.fit.key] = richest
-    return sorted(found.values(), key=lambda c: c.score)
+        found.append(grown(search, rival, but=names(best)))
+    return best_of_each(found)
 
 
 def rival_names(choices: Sequence[Choice]) -> list[frozenset[str]]:

@@ -9,8 +9,8 @@ from pipeline.discrepancy.accuracy import within_accuracy
 from pipeline.discrepancy.choose import (
     SLOW,
     Choice,
-    Key,
     Search,
+    best_of_each,
     choose,
     choose_again,
     extended,
@@ -96,10 +96,7 @@ def searched_wide(search: Search, found: list[Choice]) -> list[Choice]:
         return found
     wide = replace(search, wide=True, plain={})
     again = polished(wide, choose(wide, found[0].fit.ground))
-    best: dict[Key, Choice] = {}
-    for choice in sorted([*again, *found], key=lambda c: c.score):
-        best.setdefault(choice.fit.key, choice)
-    return list(best.values())
+    return best_of_each([*found, *again])
 
 
 def refuted(search: Search, choice: Choice) -> bool:

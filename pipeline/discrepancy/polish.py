@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from pipeline.discrepancy.choose import SAME, Choice, Key, Search, extended, grown
+from pipeline.discrepancy.choose import SAME, Choice, Key, Search, best_of_each, extended, grown
 from pipeline.discrepancy.fit import evaluate, improve, parameters_of
 from pipeline.discrepancy.reform import reformed
 from pipeline.physics.capstan_friction import CapstanFriction
@@ -28,11 +28,7 @@ def polished(search: Search, choices: list[Choice]) -> list[Choice]:
     sheath = sheathed(search, plain)
     if sheath is plain:
         return found
-    both = {c.fit.key: c for c in reversed(found)}
-    for choice in _polished(search, [*choices, sheath]):
-        if choice.fit.key not in both or choice.score < both[choice.fit.key].score:
-            both[choice.fit.key] = choice
-    return sorted(both.values(), key=lambda c: c.score)
+    return best_of_each([*found, *_polished(search, [*choices, sheath])])
 
 
 def _polished(search: Search, choices: list[Choice]) -> list[Choice]:
