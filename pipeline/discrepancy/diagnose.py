@@ -15,7 +15,7 @@ from pipeline.discrepancy.force_noise import noise_of_samples
 from pipeline.discrepancy.force_problem import averaged
 from pipeline.discrepancy.foretold import foretold_part, testable
 from pipeline.discrepancy.intervals import covariance_of, estimates, stated, wide_covariance
-from pipeline.discrepancy.mistaken import mistaken_frames, said_of, stale
+from pipeline.discrepancy.mistaken import mistaken_frames, said_of, stale, stale_now_and_then
 from pipeline.discrepancy.model import CorrectedModel, Hypothesis
 from pipeline.discrepancy.noise import NoiseModel
 from pipeline.discrepancy.notes import accuracy_note, notes, smooth_error
@@ -159,6 +159,7 @@ def model_of(
         simulated=problem.motion.kinetics is None or problem.around.simulated,
         delay_s=problem.delay.value,
         zero=None if wandering else zero_at_end(problem, choice.fit),
+        counted=problem.counted,
     )
 
 
@@ -241,6 +242,9 @@ def named_physics(
             alternatives=stands.alternatives,
             says=piece.term.sentence(stated(fit, piece), problem.around),
         )
+    again = stale_now_and_then(problem, evidence)
+    if again is not None and again.name not in out:
+        out[again.name] = again
     mistaken = None if problem.motion.kinetics else mistaken_frames(explanation)
     if mistaken is not None and not structure.found:
         all_rows = np.isfinite(evidence.measured) & evidence.heldout

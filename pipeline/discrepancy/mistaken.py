@@ -5,11 +5,13 @@ import numpy as np
 from pipeline.discrepancy.explain import INCREDIBLE, Explanation
 from pipeline.discrepancy.intervals import undated
 from pipeline.discrepancy.problem import Problem
-from pipeline.discrepancy.result import Estimate
+from pipeline.discrepancy.result import Estimate, Evidence, NamedPhysics
 from pipeline.physics.catalogue import term
 
 FEWEST = 3
 CREDIBLE, NEARLY_ALL = 3.0, 0.8
+Z, STALE_SURELY = 1.96, 0.97
+AGAIN = "In {share:.2g} of the samples the sensor says again what it said in the one before."
 STALE = (
     "In {share:.2g} of the frames the camera shows the pose of the frame before: "
     "they are {size:.3g} {unit} off."
@@ -29,15 +31,39 @@ def mistaken_frames(explanation: Explanation) -> tuple[Estimate, Estimate] | Non
     if np.sum(np.diff(np.flatnonzero(rows), prepend=-9) > 1) < FEWEST:
         return None
     off = np.abs(problem.measured - fit.predicted)[rows]
-    z = 1.96
-    middle = (count + 0.5 * z**2) / (n + z**2)
-    reach = z / (n + z**2) * np.sqrt(count * (n - count) / n + 0.25 * z**2)
     size = float(np.mean(off))
-    error = z * float(np.std(off, ddof=1)) / np.sqrt(count)
+    error = Z * float(np.std(off, ddof=1)) / np.sqrt(count)
     unit = problem.around.angle_unit
     return (
-        Estimate("share", count / n, max(middle - reach, 0.0), middle + reach, ""),
+        share_of(count, n),
         Estimate("size", size, max(size - error, 0.0), size + error, unit),
+    )
+
+
+def share_of(count: int, n: int) -> Estimate:
+    """A share of n with Wilson's interval."""
+    middle = (count + 0.5 * Z**2) / (n + Z**2)
+    reach = Z / (n + Z**2) * np.sqrt(count * (n - count) / n + 0.25 * Z**2)
+    return Estimate("share", count / n, max(middle - reach, 0.0), middle + reach, "")
+
+
+def stale_now_and_then(problem: Problem, evidence: Evidence) -> NamedPhysics | None:
+    """Samples that repeat the one before without a rhythm, so that it is no slower sensor's."""
+    if problem.stale.even:
+        return None
+    came = evidence.recording.values(evidence.measurement)
+    known, new = np.isfinite(came), np.isfinite(evidence.measured)
+    share = share_of(int(np.sum(known & ~new)), int(known.sum()))
+    last = np.maximum.accumulate(np.where(new, np.arange(len(new)), 0))
+    held = known & evidence.heldout[last]
+    return NamedPhysics(
+        name="frame_lag",
+        site="sensor",
+        probability=STALE_SURELY,
+        parameters=(share,),
+        heldout_rmse_without=float(np.sqrt(np.mean((came - evidence.after)[held] ** 2))),
+        alternatives=(),
+        says=AGAIN.format(share=share.value),
     )
 
 

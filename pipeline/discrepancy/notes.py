@@ -25,9 +25,22 @@ def notes(
             f"is more than {FAR_OFF:.0f} tolerances off: check it, or declare "
             "`diagnosis.tolerance`."
         )
-    missing = int((~np.isfinite(problem.measured)).sum())
+    again = int(problem.stale.rows.sum())
+    if again:
+        why = "the sensor is slower than the log" if problem.stale.even else "it hangs now and then"
+        out.append(
+            f"{again} of {len(problem.measured)} samples say to the last digit what the one before "
+            f"said, while the motion went on: {why}, and they do not count."
+        )
+    missing = int((~np.isfinite(problem.measured)).sum()) - again
     if missing:
         out.append(f"{missing} of {len(problem.measured)} samples were not measured.")
+    if problem.counted:
+        out.append(
+            f"{problem.drive} was recorded in counts of {problem.counted:.3g} "
+            f"{problem.around.drive_unit}, and the measurement does not go in such steps: the "
+            "smoothest motion within half a count drives the terms."
+        )
     outliers = int((np.isfinite(problem.measured) & ~evidence.used).sum())
     if outliers:
         out.append(f"{outliers} samples stand off from their neighbours and were not counted.")

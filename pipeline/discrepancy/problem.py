@@ -6,6 +6,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from pipeline.config import DiagnosisConfig, HeldoutConfig, ToleranceConfig
+from pipeline.discrepancy.counts import uncounted
+from pipeline.discrepancy.stale import NONE_STALE, StaleSamples, stale_samples
 from pipeline.errors import LoopgapError, refusal
 from pipeline.physics.differentiation import Derivatives
 from pipeline.physics.kinematics import Curve, IdentityCurve, sampled_curve
@@ -105,7 +107,9 @@ class Problem:
     that part the measured rows; `train` is all that fit, noise and choice may look at. averaged:
     the samples behind rows that are block means. picked: those behind rows that are every k-th.
     derivatives: of the position that a force is
-    measured against. delay: by how much that force was recorded later than its motion.
+    measured against. delay: by how much that force was recorded later than its motion. counted:
+    the step of the encoder that counted the drive, see `counts.py`; 0.0 of another. stale:
+    which samples say again what the one before said.
     """
 
     motion: Motion
@@ -122,6 +126,8 @@ class Problem:
     picked: Picked | None = None
     derivatives: Derivatives | None = None
     delay: Delay = Delay()
+    counted: float = 0.0
+    stale: StaleSamples = NONE_STALE
 
     @property
     def cycle(self) -> np.ndarray:
@@ -166,16 +172,22 @@ def pose_problem(
     Raises DiagnosisError where there is too little to judge.
     """
     measured = recording.values(measurement)
+    stale = stale_samples(measured, simulated)
+    measured = np.where(stale.rows, np.nan, measured)
     known = np.isfinite(measured) & np.isfinite(simulated)
     refuse_unknown(measurement, known)
     motion, curve, drive, static = driven_by(recording, measurement, simulated)
     heldout = held_out_rows(config.heldout, motion, known)
     train = known & ~heldout
     refuse_unfit(config.heldout, measurement, train, known & heldout)
+    counted = 0.0
+    if static:
+        seen = np.where(train, measured, np.nan)
+        motion, curve, counted = uncounted(motion, curve, seen, simulated)
     around = surroundings_of(recording, measurement, motion, simulated, drive, static, train)
     return Problem(
         motion, curve, measured, simulated, train, known & heldout, around, config.tolerance,
-        drive, static,
+        drive, static, counted=counted, stale=stale,
     )  # fmt: skip
 
 
@@ -364,16 +376,17 @@ def thinned(problem: Problem, whole: bool = False) -> tuple[Problem, int]:
     every = -(-len(problem.motion) // MOST_ROWS)
     if every == 1:
         return problem, 1
+    every = -(-int(np.isfinite(problem.measured).sum()) // MOST_ROWS)
     coarse = -(-len(problem.motion) // MOST_SAMPLES)
     fine = problem.rows(every_kth(problem, coarse)) if coarse > 1 else problem
-    keep = every_kth(fine, -(-len(fine.motion) // MOST_ROWS))
+    keep = every_kth(fine, -(-int(np.isfinite(fine.measured).sum()) // MOST_ROWS))
     return replace(fine.rows(keep), picked=Picked(fine.motion, keep)), every
 
 
 def every_kth(problem: Problem, k: int) -> np.ndarray:
-    """Every k-th row of a problem and all reversals, as indices."""
+    """Every k-th row of a problem that was measured and all reversals, as indices."""
     keep = np.zeros(len(problem.motion), dtype=bool)
-    keep[::k] = True
+    keep[np.flatnonzero(np.isfinite(problem.measured))[::k]] = True
     for signal in (problem.motion.drive, *problem.motion.others.values()):
         keep[reversals_of(signal)] = True
     return np.flatnonzero(keep)

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 import pandas as pd
 
+from pipeline.discrepancy.counts import between_known_counts
 from pipeline.discrepancy.model import CorrectedModel, ModelError
 from pipeline.errors import refusal
 from pipeline.physics.force_motion import force_motion
@@ -48,7 +49,7 @@ def motion_for(
         motion = force_motion(recording, model.drive, simulated, cutoff_hz)[0]
         return motion.delayed(model.delay_s)
     return Motion(
-        drive=np.ascontiguousarray(own, dtype=float),
+        drive=between_known_counts(np.ascontiguousarray(own, dtype=float), model.counted),
         time_s=recording.values("time_s"),
         cycle=recording.values("cycle").astype(np.int64),
         others=commands,

@@ -1,0 +1,51 @@
+"""Samples of a slower sensor, or of one that hangs: they say again what the one before said."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from pipeline.discrepancy.counts import quantum_of
+
+FEWEST, FEWEST_SHARE = 20, 0.03
+BY_CHANCE = 3.0
+ALONE, SCATTERED, EVEN = 1.3, 1.5, 0.4
+
+
+@dataclass(frozen=True)
+class StaleSamples:
+    """rows: (n,) samples that repeat the one before. even: whether new ones come in a rhythm."""
+
+    rows: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=bool))
+    even: bool = True
+
+
+NONE_STALE = StaleSamples()
+
+
+def stale_samples(measured: np.ndarray, simulated: np.ndarray) -> StaleSamples:
+    """Which samples (n,) are the one before again, to the last digit, though the motion goes on.
+
+    Equal values are no new measurements where a sensor's noise and resolution make them much rarer
+    than that: neighbouring levels of its converter would be as frequent. They are also what a play
+    without noise leaves at each turn; so new samples have to come singly among them, or they by
+    chance among new ones.
+    """
+    none = StaleSamples(np.zeros(len(measured), dtype=bool))
+    known = np.flatnonzero(np.isfinite(measured) & np.isfinite(simulated))
+    change = np.diff(measured[known])
+    same, moving = change == 0.0, np.diff(simulated[known]) != 0.0
+    count, share = int(np.sum(same & moving)), float(np.mean(same[moving])) if moving.any() else 0.0
+    if count < FEWEST or not FEWEST_SHARE < share < 1.0:
+        return none
+    near = np.abs(change) < 1.5 * quantum_of(measured)
+    if count < BY_CHANCE * np.sum(near & ~same & moving):
+        return none
+    stretches = np.split(same, np.flatnonzero(np.diff(same)) + 1)
+    again = np.array([len(s) for s in stretches if s[0]])
+    new = np.array([len(s) for s in stretches if not s[0]])
+    if not (new.mean() < ALONE or again.mean() < SCATTERED / (1.0 - share)):
+        return none
+    rows = np.zeros(len(measured), dtype=bool)
+    rows[known[1:][same]] = True
+    rhythm = np.diff(np.flatnonzero(~same)) if new.mean() < ALONE else new
+    return StaleSamples(rows, bool(np.std(rhythm) < EVEN * np.mean(rhythm)))

@@ -1,0 +1,90 @@
+"""Counts of an encoder, and samples that a slower sensor says again."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from pipeline.config import DiagnosisConfig
+from pipeline.discrepancy.counts import between_counts, quantum_of, smooth_motion
+from pipeline.discrepancy.stale import stale_samples
+from pipeline.physics.backlash import Backlash
+from pipeline.physics.motion import Motion
+from pipeline.recording import Channel, Recording, with_context
+from pipeline.stages.diagnosis import diagnose
+
+TIME_S = np.arange(3000) * 0.01
+MOVED = 20.0 * np.sin(2.0 * np.pi * 0.13 * TIME_S)
+COUNT = 0.35
+
+
+def counted(values: np.ndarray) -> np.ndarray:
+    return COUNT * np.round(values / COUNT)
+
+
+def noise(size: float) -> np.ndarray:
+    return size * np.random.default_rng(3).standard_normal(len(TIME_S))
+
+
+def recorded(command: np.ndarray, measured: np.ndarray) -> Recording:
+    channels = (
+        Channel("shaft_deg", "command", "deg"),
+        Channel("horn_deg", "measurement", "deg"),
+        Channel("horn_sim_deg", "simulation", "deg", of="horn_deg"),
+    )
+    samples = pd.DataFrame(
+        {"time_s": TIME_S, "shaft_deg": command, "horn_deg": measured, "horn_sim_deg": command}
+    )
+    return Recording(with_context(samples, channels), channels)
+
+
+def test_what_moved_is_found_between_the_counts_of_an_encoder() -> None:
+    counts = counted(MOVED)
+    assert quantum_of(counts) == pytest.approx(COUNT)
+    assert quantum_of(MOVED) == 0.0
+    smooth = between_counts(counts, COUNT)
+    assert np.all(np.abs(smooth - counts) < 0.5001 * COUNT)
+    assert np.std(smooth - MOVED) < 0.25 * np.std(counts - MOVED)
+
+
+def test_counts_stay_where_the_measurement_goes_in_the_same_steps_even_late() -> None:
+    counts = counted(MOVED)
+    assert smooth_motion(counts, MOVED + noise(0.02))[1] == pytest.approx(COUNT)
+    for late in (0, 5):
+        followed, quantum = smooth_motion(counts, np.roll(counts, late) + noise(0.02))
+        assert quantum == 0.0
+        assert followed is counts
+
+
+def test_samples_that_are_said_again_are_told_from_levels_and_from_play() -> None:
+    measured = MOVED + noise(0.1)
+    held = measured[np.arange(3000) // 5 * 5]
+    found = stale_samples(held, MOVED)
+    assert found.even
+    assert np.array_equal(found.rows, np.arange(3000) % 5 > 0)
+
+    hangs = np.random.default_rng(4).random(3000) < 0.3
+    hangs[0] = False
+    last = np.maximum.accumulate(np.where(hangs, 0, np.arange(3000)))
+    found = stale_samples(measured[last], MOVED)
+    assert not found.even
+    assert np.array_equal(found.rows, hangs)
+
+    motion = Motion(MOVED, TIME_S, np.zeros(3000, dtype=np.int64))
+    play = Backlash().respond(MOVED, motion, np.array([4.0]), None)[0]
+    assert np.mean(np.diff(play) == 0.0) > 0.1
+    assert not stale_samples(play, MOVED).rows.any()
+    assert not stale_samples(counted(measured), MOVED).rows.any()
+
+
+def test_play_is_named_alone_behind_counts_and_a_slower_sensor() -> None:
+    motion = Motion(MOVED, TIME_S, np.zeros(3000, dtype=np.int64))
+    play = Backlash().respond(MOVED, motion, np.array([3.0]), None)[0]
+    measured = (play + noise(0.15))[np.arange(3000) // 2 * 2]
+    result = diagnose(DiagnosisConfig(), recorded(counted(MOVED), measured))
+    (found,) = result.diagnoses
+    assert [p.name for p in found.physics] == ["backlash"]
+    assert found.after.heldout_rmse < 1.1 * 0.15
+    assert any("counts of 0.35 deg" in note for note in found.notes)
+    assert any(
+        note.startswith("1500 of 3000 samples say to the last digit") for note in found.notes
+    )
