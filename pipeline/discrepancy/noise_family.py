@@ -14,7 +14,7 @@ JITTERS = (0.0, 0.08, 0.16, 0.3, 0.6, 1.2)
 WALKS = (0.0, 0.004, 0.01, 0.017, 0.028, 0.045, 0.08, 0.15)
 SHAPES = ((0.0, 0.0), (1.0, 0.35), (1.0, 0.5), (1.0, 0.65), (1.0, 0.78), (0.5, 0.8))
 SETTLED = (0.5, 0.9, 0.97, 0.99, 0.997)
-STANDING = 0.02
+STANDING, COARSE = 0.02, 0.5
 CAP = 16.0
 MIDDLE = 3
 MIDDLE_WALK = 4
@@ -164,7 +164,8 @@ def noise_family(prior: NoisePrior, problem: Problem, used: np.ndarray) -> Noise
     """The family round what was learnt from repeats, on the used rows (n,) of a problem.
 
     Where cycles repeat and commands stand for some samples, noise may also be where the joint came
-    to rest; where nothing repeats, that can't be told from what a term leaves.
+    to rest; where nothing repeats, that can't be told from what a term leaves, but is expected of a
+    sensor with coarse levels.
     """
     model, cycle, stands = prior.model, problem.cycle, problem.motion.stands
     if model.spell > 1.0:
@@ -173,7 +174,8 @@ def noise_family(prior: NoisePrior, problem: Problem, used: np.ndarray) -> Noise
     share = model.correlated**2 / max(model.deviation**2, 1e-300)
     shapes = [(float(min(share, 1.0)), model.correlation, False)]
     shapes += [(*shape, False) for shape in SHAPES]
-    if prior.repeats > 0 and np.mean(stands[used]) > STANDING:
+    coarse = prior.finest > COARSE * model.deviation
+    if (prior.repeats > 0 or coarse) and np.mean(stands[used]) > STANDING:
         shapes += [(settled, 0.0, True) for settled in SETTLED]
     strain = np.zeros((len(shapes), len(WALKS)))
     if prior.series:

@@ -8,6 +8,7 @@ import numpy as np
 from numba import njit
 from scipy.optimize import minimize
 
+from pipeline.discrepancy.counts import quantum_of
 from pipeline.discrepancy.force_noise import noise_of_force
 from pipeline.discrepancy.noise import NoiseModel, whitened
 from pipeline.discrepancy.problem import Problem
@@ -29,7 +30,7 @@ class NoisePrior:
     model: the likeliest. repeats: how many cycles it was learnt from. sure: how sure its deviation
     is (log scale). series: the contrasts it was learnt from, zero-mean, NaN where missing; stands:
     of each, where all commands stand. finest: least deviation that counts as noise [measurement's
-    unit]. groups: the cycles that repeat each other, see `repeated_cycles`.
+    unit], as that of a level within its converter's step. groups: the cycles that repeat each other, see `repeated_cycles`.
     """
 
     model: NoiseModel
@@ -76,7 +77,7 @@ def learn_noise(problem: Problem) -> NoisePrior:
         return NoisePrior(model, 0, UNSURE, (), FINEST * problem.around.angle_span)
     residual = np.where(problem.train, problem.measured - problem.simulated, np.nan)
     groups = repeated_cycles(problem)
-    finest = FINEST * problem.around.angle_span
+    finest = max(FINEST * problem.around.angle_span, quantum_of(problem.measured) / np.sqrt(12.0))
     found = [
         (s, stands_in(problem.motion, r)) for r in groups for s in contrasts(residual, r, finest)
     ]

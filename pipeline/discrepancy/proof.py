@@ -15,6 +15,7 @@ from pipeline.discrepancy.structure import (
     SMALLEST_SIZE,
     Structure,
     mismatch_variance,
+    rounded,
 )
 from pipeline.discrepancy.wander import comes_back
 
@@ -42,7 +43,7 @@ def disproved(
     counted = ~lone & ~undated(choice.fit, problem.motion.time_s)
     if refuted(problem, off, counted):
         return replace(structure, found=True, where=HELDOUT)
-    if problem.derivatives is not None:
+    if problem.derivatives is not None or rounded(explanation, choice):
         return structure
     noise = choice.fit.ground.noise
     used = counted & settled_rows(problem, explanation.prior) & (problem.train | problem.heldout)

@@ -8,12 +8,13 @@ from pipeline.discrepancy.choose import Choice
 from pipeline.discrepancy.explain import Explanation
 from pipeline.discrepancy.noise import NoiseModel
 from pipeline.discrepancy.noise_family import WALKS, Place
+from pipeline.discrepancy.noise_learning import FINEST
 from pipeline.discrepancy.rest import Rest, repeated_rest, structured_rest, two_valued
 
 CHANCE = 1e-5
 SMALLEST_SIZE, REPEATED = 0.2, 0.5
 SLOW_CORRELATION = 0.87
-LOUD = 0.25
+LOUD, ROUNDED = 0.25, 1.1
 
 
 @dataclass(frozen=True)
@@ -47,7 +48,7 @@ def structure_of(explanation: Explanation, choice: Choice) -> Structure:
     in what cycles have in common at each step, in noise with two humps, or in a hum. What is surely
     there but much smaller than the noise is the form of a term, no physics.
     """
-    if choice.fit.ground.noise.deviation <= 2.0 * explanation.prior.finest:
+    if rounded(explanation, choice):
         return Structure(False, None, 0.0, 1.0)
     rests = structured_rest(choice, explanation.search.family)
     sign = (
@@ -62,6 +63,16 @@ def structure_of(explanation: Explanation, choice: Choice) -> Structure:
         return Structure(False, None, 0.0, by_chance)
     share = min(sign.size**2 / mismatch_variance(explanation), 1.0)
     return Structure(True, sign.where, share, min(sign.p_value, by_chance))
+
+
+def rounded(explanation: Explanation, choice: Choice) -> bool:
+    """Whether a choice leaves no more than the rounding of numbers, or of the sensor's levels.
+
+    That follows the motion, but is no physics.
+    """
+    exact = 2.0 * FINEST * explanation.problem.around.angle_span
+    least = max(exact, ROUNDED * explanation.prior.finest)
+    return choice.fit.ground.noise.deviation <= least
 
 
 def of_curves(rests: list[Rest], choice: Choice) -> Sign | None:

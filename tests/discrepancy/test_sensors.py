@@ -88,3 +88,11 @@ def test_play_is_named_alone_behind_counts_and_a_slower_sensor() -> None:
     assert any(
         note.startswith("1500 of 3000 samples say to the last digit") for note in found.notes
     )
+
+
+def test_what_a_coarse_converter_rounds_is_neither_outliers_nor_physics() -> None:
+    command = np.random.default_rng(5).integers(-4, 5, 30)[np.arange(3000) // 100] * 10.0
+    measured = COUNT * np.round((1.01 * command + 0.4 + noise(0.05)) / COUNT)
+    (found,) = diagnose(DiagnosisConfig(), recorded(command, measured)).diagnoses
+    assert found.verdict == "no_mismatch"
+    assert found.noise > COUNT / np.sqrt(12.0)
