@@ -109,11 +109,23 @@ def richer(term: Term) -> tuple[Term, ...]:
         ("coulomb_friction", ""): (
             CoulombFriction("asymmetric"),
             CoulombFriction("spread"),
+            CoulombFriction("bristle"),
             CoulombFriction("smoothed"),
         ),
         ("coulomb_friction", "smoothed"): (CoulombFriction("smoothed asymmetric"),),
-        ("coulomb_friction", "asymmetric"): (CoulombFriction("asymmetric spread"),),
-        ("coulomb_friction", "spread"): (CoulombFriction("asymmetric spread"),),
+        ("coulomb_friction", "asymmetric"): (
+            CoulombFriction("asymmetric spread"),
+            CoulombFriction("asymmetric bristle"),
+        ),
+        ("coulomb_friction", "bristle"): (
+            CoulombFriction("asymmetric bristle"),
+            CoulombFriction("spread"),
+        ),
+        ("coulomb_friction", "asymmetric spread"): (CoulombFriction("asymmetric bristle"),),
+        ("coulomb_friction", "spread"): (
+            CoulombFriction("asymmetric spread"),
+            CoulombFriction("bristle"),
+        ),
         ("viscous_friction", ""): (ViscousFriction("asymmetric"),),
         ("stribeck_friction", ""): (StribeckFriction("asymmetric"), StribeckFriction("smoothed")),
         ("stiffness", ""): (Stiffness("asymmetric"), Stiffness("hardening")),

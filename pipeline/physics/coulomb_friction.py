@@ -4,12 +4,16 @@ import numpy as np
 
 from pipeline.physics.force_term import ASYMMETRY, ForceTerm, both_ways, size
 from pipeline.physics.motion import Kinetics, Motion
-from pipeline.physics.pre_sliding import sliding, weighted
+from pipeline.physics.pre_sliding import dragging, sliding, weighted
 from pipeline.physics.term import Parameter, Surroundings
 
 LEAST_REACH = 1e-6
 REACHES = (5e-6, 5e-5, 3e-4, 2e-3, 0.01, 0.03, 0.1, 0.3)
 ONSETS = (1e-3, 4e-3, 0.015, 0.06)
+SHAPES = {
+    "spread": Parameter("spread", "", 0.0, 1.0, 0.7, 0.0),
+    "bristle": Parameter("release", "", 0.0, 1.0, 0.7, 0.0),
+}
 
 
 def reach_of(around: Surroundings) -> Parameter:
@@ -29,9 +33,10 @@ def onset_of(around: Surroundings) -> Parameter:
 class CoulombFriction(ForceTerm):
     """F = force * z, where z goes from -1 to 1 over the pre-sliding travel (`pre_sliding.py`).
 
-    Forms: "" turns round as Dahl's curve does (spread 1); "asymmetric" with force (1 + asymmetry)
-    rising and (1 - asymmetry) falling; "spread" with the shape of the turn free; "asymmetric
-    spread" with both. In "smoothed" and "smoothed asymmetric" z = tanh(v / onset): no pre-sliding,
+    Forms: "" turns round about as Dahl's curve does (spread 1); "asymmetric" with force (1 +
+    asymmetry) rising and (1 - asymmetry) falling; "spread" with the shape of the turn free;
+    "bristle" is one that Dahl, or Bouc and Wen, let go (see `bristled`); "asymmetric spread" and
+    "asymmetric bristle" with both. In "smoothed" and "smoothed asymmetric" z = tanh(v / onset): no pre-sliding,
     but resistance that grows with the speed until it is full. Source: Coulomb (1785); Dahl, AIAA J.
     14 (1976) 1675, and `pre_sliding.py`; Andersson, Soderberg and Bjorklund, Tribol. Int. 40
     (2007) 580 (smoothed).
@@ -44,8 +49,8 @@ class CoulombFriction(ForceTerm):
         turn = onset_of(around) if "smoothed" in self.form else reach_of(around)
         own = (size("force", around.angle_unit, 2.0 * around.angle_span, around), turn)
         asymmetry = (ASYMMETRY,) if "asymmetric" in self.form else ()
-        spread = (Parameter("spread", "", 0.0, 1.0, 0.7, 0.0),) if "spread" in self.form else ()
-        return (*own, *asymmetry, *spread)
+        shape = [SHAPES[word] for word in self.form.split() if word in SHAPES]
+        return (*own, *asymmetry, *shape)
 
     def force(
         self, motion: Motion, kinetics: Kinetics, values: np.ndarray, state: np.ndarray | None
@@ -53,8 +58,11 @@ class CoulombFriction(ForceTerm):
         asymmetry = float(values[2]) if "asymmetric" in self.form else 0.0
         if "smoothed" in self.form:
             return values[0] * weighted(np.tanh(kinetics.velocity / values[1]), asymmetry), None
-        spread = float(values[-1]) if "spread" in self.form else 1.0
-        share, state = sliding(motion.drive, float(values[1]), spread, state)
+        if "bristle" in self.form:
+            share, state = dragging(motion.drive, float(values[1]), float(values[-1]), state)
+        else:
+            spread = float(values[-1]) if "spread" in self.form else 1.0
+            share, state = sliding(motion.drive, float(values[1]), spread, state)
         return values[0] * weighted(share, asymmetry), state
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:

@@ -59,6 +59,12 @@ def test_dry_friction_slides_at_its_force_and_turns_round_within_its_reach():
         one_slider[top : top + 200], np.maximum(10.0 - 10.0 * back / 0.02, -10.0), atol=1e-9
     )
 
+    for release in (1.0, 0.0):
+        bristle = answer("coulomb_friction", "bristle", [10.0, 0.02, release], m)[top : top + 200]
+        dahl = -10.0 + 20.0 * np.exp(-back / 0.02)
+        spring = np.where(back < 0.02, 10.0 - 500.0 * back, 10.0 * (np.exp(1 - back / 0.02) - 1.0))
+        np.testing.assert_allclose(bristle, dahl if release else spring, atol=0.2)
+
 
 def test_dry_friction_remembers_small_loops():
     """A small loop inside the pre-sliding travel closes on itself (return-point memory)."""
