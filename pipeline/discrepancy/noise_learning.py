@@ -30,7 +30,8 @@ class NoisePrior:
     model: the likeliest. repeats: how many cycles it was learnt from. sure: how sure its deviation
     is (log scale). series: the contrasts it was learnt from, zero-mean, NaN where missing; stands:
     of each, where all commands stand. finest: least deviation that counts as noise [measurement's
-    unit], as that of a level within its converter's step. groups: the cycles that repeat each other, see `repeated_cycles`.
+    unit], as that of a level within its converter's step. groups: the cycles that repeat each
+    other, see `repeated_cycles`.
     """
 
     model: NoiseModel

@@ -36,10 +36,10 @@ class CoulombFriction(ForceTerm):
     Forms: "" turns round about as Dahl's curve does (spread 1); "asymmetric" with force (1 +
     asymmetry) rising and (1 - asymmetry) falling; "spread" with the shape of the turn free;
     "bristle" is one that Dahl, or Bouc and Wen, let go (see `bristled`); "asymmetric spread" and
-    "asymmetric bristle" with both. In "smoothed" and "smoothed asymmetric" z = tanh(v / onset): no pre-sliding,
-    but resistance that grows with the speed until it is full. Source: Coulomb (1785); Dahl, AIAA J.
-    14 (1976) 1675, and `pre_sliding.py`; Andersson, Soderberg and Bjorklund, Tribol. Int. 40
-    (2007) 580 (smoothed).
+    "asymmetric bristle" with both. In "smoothed" and "smoothed asymmetric" z = tanh(v / onset): no
+    pre-sliding, but resistance that grows with the speed until it is full. Source: Coulomb (1785);
+    Dahl, AIAA J. 14 (1976) 1675, and `pre_sliding.py`; Andersson, Soderberg and Bjorklund, Tribol.
+    Int. 40 (2007) 580 (smoothed).
     """
 
     name = "coulomb_friction"
