@@ -5,11 +5,13 @@ from dataclasses import replace
 import numpy as np
 
 from pipeline.discrepancy.calibration import with_smooth_error
-from pipeline.discrepancy.choose import Choice
+from pipeline.discrepancy.choose import SLOW, Choice, Search, extended
 from pipeline.discrepancy.fit import Ground, evaluate
 from pipeline.discrepancy.force_noise import LEAST_SPELL, spell_of
 from pipeline.discrepancy.foretold import error_ahead, parts_of
 from pipeline.discrepancy.noise import NoiseModel
+
+BETTER, NEARLY = 0.9, 0.9
 
 
 def within_accuracy(base: Choice, used: np.ndarray) -> bool:
@@ -35,6 +37,25 @@ def calibrated_alone(base: Choice, used: np.ndarray) -> Choice:
     choices = [replace(base, fit=evaluate(plainly(g, rows), ())) for g in (ground, smooth)]
     parts = parts_of(ground)
     return min(choices, key=lambda choice: error_ahead(choice, parts))
+
+
+def hidden(search: Search, choice: Choice) -> tuple[str, float, float] | None:
+    """The plainest of the terms that nearly best foretell what is left, None where none does.
+
+    Its name, and the errors (RMS) [measurement's unit] on later training rows without and with it.
+    """
+    parts = parts_of(choice.fit.ground)
+    without = error_ahead(choice, parts)
+    children = [c for c in extended(search, choice) if not set(c.fit.names) & set(SLOW)]
+    errors = [
+        error_ahead(replace(choice, fit=evaluate(choice.fit.ground, c.fit.pieces)), parts)
+        for c in children
+    ]
+    if not errors or min(errors) > BETTER * without:
+        return None
+    near = [k for k, error in enumerate(errors) if error < min(errors) / NEARLY]
+    plainest = min(near, key=lambda k: (len(children[k].fit.pieces[-1].values), errors[k]))
+    return children[plainest].fit.names[-1], without, errors[plainest]
 
 
 def plainly(ground: Ground, rows: np.ndarray) -> Ground:

@@ -83,7 +83,7 @@ def diagnose_measurement(
         not_excited=not_excited(problem),
         next_experiment=None,
         notes=(
-            *accuracy_note(problem, best, accurate),
+            *(accuracy_note(explanation, best) if accurate else ()),
             *notes(problem, explanation, best, evidence, every),
         ),
     )

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from pipeline.discrepancy.accuracy import hidden
 from pipeline.discrepancy.calibration import FAR_OFF
 from pipeline.discrepancy.choose import Choice
 from pipeline.discrepancy.explain import Explanation
@@ -101,10 +102,9 @@ def force_notes(problem: Problem, found: Derivatives, every: int) -> list[str]:
     return out
 
 
-def accuracy_note(problem: Problem, best: Choice, accurate: bool) -> list[str]:
-    """That the declared accuracy decided, in words; nothing where it did not."""
-    if not accurate:
-        return []
+def accuracy_note(explanation: Explanation, best: Choice) -> list[str]:
+    """That the declared accuracy decided, and what it may hide, in words."""
+    problem = explanation.problem
     unit, size = problem.around.angle_unit, smooth_error(best)
     out = [
         f"Once gain, offset and curve are right, less is left than the accuracy of the measurement "
@@ -114,6 +114,13 @@ def accuracy_note(problem: Problem, best: Choice, accurate: bool) -> list[str]:
         out.append(
             f"A smooth error over every command ({size:.3g} {unit} RMS) is taken for the "
             "measurement's own and corrected with gain and offset: it foretells later samples."
+        )
+    found = hidden(explanation.search, best)
+    if found is not None:
+        name, without, with_it = found
+        out.append(
+            f"Within that accuracy {name} may be hidden: with it, later samples of those fitted "
+            f"would be foretold to {with_it:.3g} {unit}, without it to {without:.3g} {unit} (RMS)."
         )
     return out
 

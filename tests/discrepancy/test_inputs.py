@@ -124,6 +124,7 @@ def test_a_mismatch_below_the_declared_accuracy_is_none():
     (diagnosis,) = diagnose(config, recording).diagnoses
     assert diagnosis.verdict == "no_mismatch"
     assert diagnosis.physics == ()
+    assert any("Within that accuracy backlash may be hidden" in note for note in diagnosis.notes)
     strict = replace(config, tolerance=replace(tolerance, accuracy=0.3))
     assert diagnose(strict, recording).diagnoses[0].physics[0].name == "backlash"
 
@@ -138,6 +139,7 @@ def test_what_repeats_below_the_declared_accuracy_is_corrected_and_bears_no_name
     assert diagnosis.calibration.offset == pytest.approx(0.4, abs=0.1)
     assert diagnosis.calibration.smooth_error == pytest.approx(0.03 * 30.0 / np.sqrt(2.0), rel=0.1)
     assert diagnosis.after.heldout_rmse < 1.1 * NOISE
+    assert not any("may be hidden" in note for note in diagnosis.notes)
     stored = json.loads(json.dumps(as_json(model)))
     answer = predict([from_json(stored, [YAW])], recording)[f"{ANGLE}_predicted"]
     assert answer.to_numpy() == pytest.approx(result.evidence[0].after)
