@@ -19,6 +19,7 @@ from pipeline.physics.backlash import play
 from pipeline.physics.catalogue import term
 from pipeline.physics.mechanism import Mechanism, Piece
 from pipeline.physics.motion import Motion
+from pipeline.physics.response_lag import swung
 
 SAMPLES, CYCLES, ROUNDS = 1800, 9, 200
 WANTED_US = 20.0
@@ -70,8 +71,10 @@ def bouc_wen(motion: Motion) -> np.ndarray:
 def main() -> None:
     motion = cycles()
     pole = np.exp(-3.0 / 2.0)
+    dwell_s = motion.dwell_s + 0.005 * np.sin(np.arange(SAMPLES))
     rivals: dict[str, Callable[[], object]] = {
         "play": lambda: play(motion.drive, 2.0, 0.0),
+        "lag, second order": lambda: swung(motion.drive, dwell_s, 0.8, 0.3, 0.0, 0.0, np.zeros(2)),
         "scipy lfilter (lag)": lambda: lfilter([1.0 - pole], [1.0, -pole], motion.drive),
     }
     whole = {}

@@ -5,11 +5,36 @@ from numba import njit
 
 from pipeline.physics.balance import Load
 from pipeline.physics.creep import dwells
+from pipeline.physics.equilibrium import NEARBY, NEVER
 from pipeline.physics.motion import Motion
+from pipeline.physics.tabled import inlined
 from pipeline.physics.term import Parameter, Surroundings, Term
 
 NEARLY_CRITICAL = 1e-6
 DENSE = 200
+
+
+@inlined
+def _left(t, decay, square, known):  # type: ignore[no-untyped-def]
+    """What is left of a swing after a time t, and of its push.
+
+    known: (3,) these two of a time nearby, behind it (in place). Dwells differ little: a series.
+    """
+    root, more = np.sqrt(abs(square)), t - known[0]
+    if (decay + root) * abs(more) > NEARBY:
+        known[0], more = t, 0.0
+        fade = np.exp(-decay * t)
+        if root * t < NEARLY_CRITICAL:
+            known[1], known[2] = fade, fade * t
+        elif square > 0.0:
+            slow, fast = np.exp((root - decay) * t), np.exp(-(root + decay) * t)
+            known[1], known[2] = 0.5 * (slow + fast), 0.5 * (slow - fast) / root
+        else:
+            known[1], known[2] = fade * np.cos(root * t), fade * np.sin(root * t) / root
+    x, q = -decay * more, square * more * more
+    fade = 1.0 + x * (1.0 + x / 2.0 * (1.0 + x / 3.0 * (1.0 + x / 4.0)))
+    c, s = fade * (1.0 + q / 2.0 * (1.0 + q / 12.0)), fade * more * (1.0 + q / 6.0)
+    return known[1] * c + square * known[2] * s, known[1] * s + known[2] * c
 
 
 @njit(cache=True)
@@ -24,7 +49,7 @@ def swung(signal, dwell, frequency, damping, moving, before, state):  # type: ig
     out = np.empty(signal.size)
     x, v = state[0], state[1]
     decay, square = damping * frequency, frequency * frequency * (damping * damping - 1.0)
-    root = np.sqrt(abs(square))
+    known = np.full((2, 3), -NEVER)
     for i in range(signal.size):
         runs = min(moving * dwell[i], dwell[i])
         for part in range(2):
@@ -34,15 +59,7 @@ def swung(signal, dwell, frequency, damping, moving, before, state):  # type: ig
             speed = (signal[i] - before) / runs if part == 0 else 0.0
             trail = 2.0 * damping / frequency * speed
             e, u = x - (before if part == 0 else signal[i]) + trail, v - speed
-            if root * t < NEARLY_CRITICAL:
-                fade = np.exp(-decay * t)
-                c, s = fade, fade * t
-            elif square > 0.0:
-                slow, fast = np.exp((root - decay) * t), np.exp(-(root + decay) * t)
-                c, s = 0.5 * (slow + fast), 0.5 * (slow - fast) / root
-            else:
-                fade = np.exp(-decay * t)
-                c, s = fade * np.cos(root * t), fade * np.sin(root * t) / root
+            c, s = _left(t, decay, square, known[part])
             push = u + decay * e
             x = signal[i] - trail + c * e + s * push
             v = c * u - s * (decay * u + frequency * frequency * e) + speed

@@ -37,9 +37,8 @@ class Slack(Term):
         return (width, *others) if self.form == HOME else (width, centre, *others)
 
     def load(self, values: np.ndarray, motion: Motion, state: np.ndarray | None) -> Load:
-        width, centre, rounding, stiffness = (
-            np.insert(values, 1, 0.0) if self.form == HOME else values
-        )
+        width, *others, rounding, stiffness = values
+        centre = others[0] if others else 0.0
         softness = max(rounding, width / MOST_SHARP)
         return Load(loose=(0.5 * width, softness, stiffness, centre))
 
