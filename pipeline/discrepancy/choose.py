@@ -288,14 +288,15 @@ def allowed(terms: Sequence[Term], fit: Fit) -> list[Term]:
 def grown(search: Search, choice: Choice, but: Container[str] = ()) -> Choice:
     """The choice with each term in the richer form that its score prefers, if any.
 
-    but: names whose forms stay.
+    but: names whose forms stay. A form that fits no better can't be worth its parameters.
     """
     for i, piece in enumerate(choice.fit.pieces):
         for term in () if piece.term.name in but else richer(piece.term):
             key = choice.fit.key - {(piece.term.name, piece.term.form)} | {(term.name, term.form)}
             if abs(search.plain.get(key, np.inf) - choice.score) < SAME:
                 continue
-            trial = search.weighed(reformed(choice.fit, i, term), choice.place)
+            fit = reformed(choice.fit, i, term)
+            trial = search.weighed(fit, choice.place) if fit.cost < choice.fit.cost else choice
             if trial.score < choice.score:
                 choice = trial
             else:

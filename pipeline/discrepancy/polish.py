@@ -2,8 +2,17 @@
 
 import numpy as np
 
-from pipeline.discrepancy.choose import SAME, Choice, Key, Search, best_of_each, extended, grown
-from pipeline.discrepancy.fit import evaluate, improve, parameters_of
+from pipeline.discrepancy.choose import (
+    MOST_TERMS,
+    SAME,
+    Choice,
+    Key,
+    Search,
+    best_of_each,
+    extended,
+    grown,
+)
+from pipeline.discrepancy.fit import ITERATIONS, evaluate, improve, parameters_of
 from pipeline.discrepancy.reform import reformed
 from pipeline.physics.capstan_friction import CapstanFriction
 from pipeline.physics.friction import Friction
@@ -12,6 +21,8 @@ from pipeline.physics.response_lag import ResponseLag
 
 SHEATH = CapstanFriction("pretensioned")
 WORTH = 150.0
+HOPED = 40.0
+LEFT = ((0.65, 0.3), (0.5, 0.7))
 
 
 def polished(search: Search, choices: list[Choice]) -> list[Choice]:
@@ -21,7 +32,8 @@ def polished(search: Search, choices: list[Choice]) -> list[Choice]:
     is polished so as well: what mends the one form's error would hide the other.
     """
     best = min(choices, key=lambda c: c.score)
-    found = _polished(search, choices)
+    alone = next((c for c in choices if c.fit.names == ("friction",)), best)
+    found = _polished(search, best_of_each([*choices, loosened(search, alone)]))
     plain = min(
         (c for c in found if set(c.fit.names) == set(best.fit.names)), key=lambda c: c.score
     )
@@ -37,7 +49,7 @@ def _polished(search: Search, choices: list[Choice]) -> list[Choice]:
     tried: set[Key] = set()
     for _ in range(3):
         best = min(found.values(), key=lambda c: c.score)
-        richest = lagging(search, merged(search, grown(search, best)))
+        richest = loosened(search, lagging(search, merged(search, grown(search, best))))
         if richest is not best:
             found[richest.fit.key] = best = richest
         for piece in best.fit.pieces:
@@ -93,6 +105,39 @@ def lagging(search: Search, choice: Choice) -> Choice:
             lag = Piece(ResponseLag(), creep.values[1:2])
             fit = improve(evaluate(choice.fit.ground, [*rest, lag]))
             return min(choice, search.weighed(fit, choice.place), key=lambda c: c.score)
+    return choice
+
+
+def loosened(search: Search, choice: Choice) -> Choice:
+    """The choice with a part of its friction's loop left to slack, if that is better.
+
+    Friction holds the joint between its loose wires: about as much as these are slack, the loop is
+    wider. No small step leads from friction alone to both.
+    """
+    slack = next((t for t in search.terms if t.name == "slack"), None)
+    full = len(choice.fit.pieces) >= MOST_TERMS
+    if slack is None or full or "slack" in choice.fit.names:
+        return choice
+    ground, key = choice.fit.ground, choice.fit.key | {("slack", slack.form)}
+    if abs(search.plain.get(key, np.inf) - choice.score) < SAME:
+        return choice
+    problem = ground.problem
+    for friction in (p for p in choice.fit.pieces if isinstance(p.term, Friction)):
+        rest = [p for p in choice.fit.pieces if p is not friction]
+        width, reach = friction.values[:2]
+        trials = []
+        for own, spread in LEFT:
+            loose = slack.candidates(problem.motion, problem.around)[0]
+            loose[0] = 1.4 * (1.0 - own) * width / max(abs(problem.curve.slope), 1e-12)
+            loose[-1] = 0.02
+            held = Piece(Friction(), np.array([own * width, own * reach, spread]))
+            trials.append(improve(evaluate(ground, [*rest, held, Piece(slack, loose)]), 4))
+        fit = improve(min(trials, key=lambda t: t.cost), 2 * ITERATIONS)
+        if fit.cost < choice.fit.cost + HOPED:
+            trial = grown(search, search.weighed(fit, choice.place))
+            if trial.score < choice.score:
+                return trial
+        search.plain[key] = choice.score
     return choice
 
 

@@ -19,7 +19,8 @@ def reformed(fit: Fit, place: int, term: Term) -> Fit:
     same_place = term.before_curve == old.term.before_curve
     if same_place and set(had) <= set(names):
         starts[:, [names.index(name) for name in had]] = old.values
-        starts = _within(fit.ground.box(term), term.retold(np.unique(starts, axis=0)))
+        told = _within(fit.ground.box(term), term.retold(np.unique(starts, axis=0)))
+        starts = told if len(told) else starts
     before, after = fit.pieces[:place], fit.pieces[place + 1 :]
     if any(p.stepwise for p in parameters_of(fit.ground, term)):
         starts = _sized(fit, place, term, starts)

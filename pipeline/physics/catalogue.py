@@ -103,6 +103,7 @@ def richer(term: Term) -> tuple[Term, ...]:
         ("slack", "home"): (Slack(),),
         ("creep", "one"): (Creep("two"),),
         ("tension_loss", "linear"): (TensionLoss("late"), TensionLoss("settling")),
+        ("gravity", ""): (Gravity("unloading"),),
         ("contact", "upper"): (Contact("upper unloading"),),
         ("contact", "lower"): (Contact("lower unloading"),),
         ("response_lag", "first"): (ResponseLag("second"), ResponseLag("motor")),

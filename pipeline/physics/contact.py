@@ -41,10 +41,7 @@ class Contact(Term):
         )
         if "unloading" not in self.form:
             return own
-        return (
-            *own,
-            Parameter("pretension", unit, 1e-3 * span, 0.4 * span, 0.05 * span, 0.05 * span),
-        )
+        return (*own, pretension(around, 1e-3))
 
     def load(self, values: np.ndarray, motion: Motion, state: np.ndarray | None) -> Load:
         stiffness, angle, skin = values[:3]
@@ -62,3 +59,9 @@ class Contact(Term):
                 for share in (-0.1, 0.0, 0.08, 0.16, 0.24, 0.32, 0.38, 0.43)
             ]
         )
+
+
+def pretension(around: Surroundings, least: float) -> Parameter:
+    """The load beyond which one of two wires hangs slack, at least a share of the angle's span."""
+    span, unit = around.angle_span, around.angle_unit
+    return Parameter("pretension", unit, least * span, 0.4 * span, 0.05 * span, 0.05 * span)

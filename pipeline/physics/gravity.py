@@ -3,15 +3,20 @@
 import numpy as np
 
 from pipeline.physics.balance import Load
+from pipeline.physics.contact import pretension
 from pipeline.physics.motion import Motion
 from pipeline.physics.term import Parameter, Surroundings, Term
+
+LEAST_PRETENSION = 0.03
 
 
 class Gravity(Term):
     """deflection * (sin(theta - zero) + sin(zero)) in the balance.
 
     The moment of a weight that hangs down at theta = zero, over the wire's stiffness; the
-    deflection at home is part of the offset. Source: static moment of a pendulum.
+    deflection at home is part of the offset. A weight in form "unloading" pulls so hard that beyond
+    `pretension` one of two wires hangs slack; with much less of that, any load would do so. Source:
+    static moment of a pendulum.
     """
 
     name = "gravity"
@@ -20,15 +25,22 @@ class Gravity(Term):
     group = "bend"
     says = "Its own weight bends it by up to {deflection}, depending on how it hangs."
 
+    def __init__(self, form: str = "") -> None:
+        self.form = form
+
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
-        span = around.angle_span
-        return (
-            Parameter("deflection", around.angle_unit, 0.0, 0.5 * span, 0.03 * span, 0.03 * span),
+        span, unit = around.angle_span, around.angle_unit
+        own = (
+            Parameter("deflection", unit, 0.0, 0.5 * span, 0.03 * span, 0.03 * span),
             Parameter("zero", "rad", -2.0 * np.pi, 2.0 * np.pi, 0.0, 0.0),
         )
+        return (*own, pretension(around, LEAST_PRETENSION)) if self.form == "unloading" else own
 
     def load(self, values: np.ndarray, motion: Motion, state: np.ndarray | None) -> Load:
-        return Load(smooth=(0.0, 0.0, float(values[0]), float(values[1])))
+        return Load(
+            smooth=(0.0, 0.0, float(values[0]), float(values[1])),
+            pretension=values[2] if len(values) > 2 else np.inf,
+        )
 
     def scaled(self, values: np.ndarray, factor: float) -> np.ndarray:
         out = super().scaled(values, abs(factor))
@@ -37,5 +49,15 @@ class Gravity(Term):
         return out
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
-        size = 0.02 * around.angle_span
-        return np.array([[size, zero] for zero in np.arange(4) * np.pi / 4.0])
+        sizes = [0.15, 0.05] if self.form == "unloading" else [0.02]
+        weight, *tail = (share * around.angle_span for share in sizes)
+        return np.array([[weight, zero, *tail] for zero in np.arange(4) * np.pi / 4.0])
+
+    def retold(self, starts: np.ndarray) -> np.ndarray:
+        """Where a wire hangs slack, less weight that is more upright at home does about as much."""
+        if not self.form:
+            return starts
+        weight, zero, _ = starts[0]
+        zeros = zero + np.sign(np.sin(zero)) * np.array([0.0, 0.2, 0.4])
+        zeros = np.remainder(zeros + np.pi, 2.0 * np.pi) - np.pi
+        return np.array([[0.7 * weight, zero, 0.4 * weight] for zero in zeros])

@@ -8,6 +8,7 @@ from pipeline.config import DiagnosisConfig
 from pipeline.discrepancy.contested import contested, levelled, rival_names
 from pipeline.discrepancy.explain import explain, refuted, searched_wide
 from pipeline.discrepancy.fit import evaluate, improve
+from pipeline.discrepancy.polish import loosened
 from pipeline.discrepancy.problem import pose_problem
 from pipeline.physics.catalogue import term
 from pipeline.physics.mechanism import Piece
@@ -45,6 +46,33 @@ def test_a_rival_that_lacks_a_name_is_looked_for_from_the_beginning():
     assert rival_names([more, stuck, base]) == [frozenset(hidden)]
     assert contested(found.search, [more, stuck, base])[0].score < more.score
     assert rival_names([replace(more, score=best.score - 100.0), best, base]) == []
+
+
+def test_a_weight_that_unloads_a_wire_is_no_lens_with_a_ripple():
+    hidden = {"gravity/unloading": {"deflection": 14.0, "zero": 2.1, "pretension": 8.0}}
+    recording = recorded(hidden, seed=3)
+    simulated = recording.values("pitch_angle_sim_deg")
+    found = explain(pose_problem(DiagnosisConfig(), recording, "pitch_angle_deg", simulated))
+    (piece,) = found.choices[0].fit.pieces
+    assert (piece.term.name, piece.term.form) == ("gravity", "unloading")
+    np.testing.assert_allclose(piece.values, [14.0, 2.1, 8.0], rtol=0.1)
+
+
+def test_friction_alone_leaves_a_part_of_its_loop_to_slack():
+    hidden = {
+        "friction": {"width": 2.9, "reach": 2.3},
+        "slack/home": {"width": 2.0, "rounding": 0.2, "stiffness": 0.02},
+    }
+    recording = recorded(hidden, seed=4)
+    simulated = recording.values("pitch_angle_sim_deg")
+    found = explain(pose_problem(DiagnosisConfig(), recording, "pitch_angle_deg", simulated))
+    search, ground = found.search, found.choices[0].fit.ground
+    begun = evaluate(ground, (Piece(term("friction"), np.array([4.3, 4.1, 0.1])),))
+    alone = search.weighed(improve(begun), (0, 0, 0), 12)
+    both = loosened(search, alone)
+    assert set(both.fit.names) == {"friction", "slack"}
+    assert both.score < alone.score - 20.0
+    assert loosened(search, both) is both
 
 
 def test_a_near_rival_is_weighed_in_the_form_that_suits_it():

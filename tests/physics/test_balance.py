@@ -108,6 +108,15 @@ def test_gravity_solves_its_own_equation():
     np.testing.assert_allclose(out + load, motion.drive, atol=1e-5)
 
 
+def test_a_weight_that_unloads_a_wire_doubles_what_gives_way():
+    motion = line(-50.0, 50.0, 101)
+    out = answer(motion, Piece(Gravity("unloading"), np.array([14.0, 2.1, 5.0])))
+    load = 14.0 * (np.sin(np.radians(out) - 2.1) + np.sin(2.1))
+    slack = np.sign(load) * np.maximum(np.abs(load) - 5.0, 0.0)
+    assert 0 < np.count_nonzero(slack) < len(slack)
+    np.testing.assert_allclose(out + load + slack, motion.drive, atol=1e-4)
+
+
 @pytest.mark.parametrize("deflection", [80.0, 120.0, 160.0])
 def test_gravity_that_snaps_over_still_solves_its_equation(deflection):
     drive = 300.0 * np.sin(2 * np.pi * np.linspace(0.0, 3.0, 2000))
