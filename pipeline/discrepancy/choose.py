@@ -290,10 +290,13 @@ def grown(search: Search, choice: Choice, but: Container[str] = ()) -> Choice:
 
     but: names whose forms stay. A form that fits no better can't be worth its parameters.
     """
+    problem = choice.fit.ground.problem
     for i, piece in enumerate(choice.fit.pieces):
         for term in () if piece.term.name in but else richer(piece.term):
             key = choice.fit.key - {(piece.term.name, piece.term.form)} | {(term.name, term.form)}
             if abs(search.plain.get(key, np.inf) - choice.score) < SAME:
+                continue
+            if not term.excited(problem.motion, problem.around):
                 continue
             fit = reformed(choice.fit, i, term)
             trial = search.weighed(fit, choice.place) if fit.cost < choice.fit.cost else choice

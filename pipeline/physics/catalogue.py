@@ -106,7 +106,11 @@ def richer(term: Term) -> tuple[Term, ...]:
         ("gravity", ""): (Gravity("unloading"),),
         ("contact", "upper"): (Contact("upper unloading"),),
         ("contact", "lower"): (Contact("lower unloading"),),
-        ("response_lag", "first"): (ResponseLag("second"), ResponseLag("motor")),
+        ("response_lag", "first"): (
+            ResponseLag("second"),
+            ResponseLag("motor"),
+            ResponseLag("slewing"),
+        ),
         ("coulomb_friction", ""): (
             CoulombFriction("asymmetric"),
             CoulombFriction("spread"),

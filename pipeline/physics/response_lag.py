@@ -12,6 +12,8 @@ from pipeline.physics.term import Parameter, Surroundings, Term
 
 NEARLY_CRITICAL = 1e-6
 DENSE = 200
+SPEEDS = 8
+JUMP, RARE = 0.05, 0.2
 
 
 @inlined
@@ -68,6 +70,24 @@ def swung(signal, dwell, frequency, damping, moving, before, state):  # type: ig
     return out, np.array([x, v, before])
 
 
+@njit(cache=True)
+def slewed(signal, dwell, time_constant, top_speed, at):  # type: ignore[no-untyped-def]
+    """x' = (u - x) / time_constant, at most top_speed either way, u held: exact answer (n,)."""
+    out = np.empty(signal.size)
+    for i in range(signal.size):
+        left, way = dwell[i], signal[i] - at
+        beyond = abs(way) - top_speed * time_constant
+        if beyond > 0.0:
+            running = min(left, beyond / top_speed)
+            at += np.sign(way) * top_speed * running
+            left -= running
+        if left > 0.0:
+            fade = np.exp(-left / time_constant) if time_constant > 0.0 else 0.0
+            at = signal[i] - (signal[i] - at) * fade
+        out[i] = at
+    return out
+
+
 def usual_lag_s(around: Surroundings) -> float:
     """A lag that is usual: a dwell, or a small part of a cycle that is sampled densely [s]."""
     return max(around.dwell_s, around.period_s / DENSE, 1e-9)
@@ -80,9 +100,9 @@ class ResponseLag(Term):
     longer where the wires hang slack, shorter against a stop. Form "second", after the balance:
     x'' = w^2 (u - x) - 2 damping w x', w being `natural_frequency`; over the share `moving` of each
     dwell the command runs to its next value. Form "motor" is the same of the motor, before gears
-    and wires: as of a servo that is late itself. Exact, however unevenly sampled. Source:
-    first-order lag; Kelvin and Voigt's spring with a dashpot beside it; linear system of second
-    order.
+    and wires: as of a servo that is late itself. Form "slewing" is a motor of first order that has
+    a top speed. Exact, however unevenly sampled. Source: first-order lag; Kelvin and Voigt's spring
+    with a dashpot beside it; linear system of second order; a rate limiter.
     """
 
     name = "response_lag"
@@ -94,15 +114,25 @@ class ResponseLag(Term):
         "{who} swings after the command, with a natural frequency of {natural_frequency} and a "
         "damping of {damping}."
     )
+    says_of_slewing = (
+        "The motor comes late, with a time constant of {time_constant}, and is never faster than "
+        "{top_speed}."
+    )
 
     def __init__(self, form: str = "first") -> None:
         self.form = form
         self.in_balance = form == "first"
-        self.before_curve = form == "motor"
+        self.before_curve = form in ("motor", "slewing")
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
         dwell = max(around.dwell_s, 1e-9)
         longest, usual = max(30.0 * dwell, 0.15 * around.period_s), usual_lag_s(around)
+        late = Parameter("time_constant", "s", 0.0, longest, usual, usual)
+        if self.form == "slewing":
+            fastest = 2.0 * max(around.drive_span, 1e-12) / dwell
+            low, unit = 1e-4 * fastest, f"{around.drive_unit}/s"
+            return late, Parameter("top_speed", unit, low, fastest, 1e-2 * fastest, 0.0,
+                                   relative=True)  # fmt: skip
         if self.form != "first":
             low, high = 1.0 / longest, 6.0 / dwell
             return (
@@ -110,7 +140,7 @@ class ResponseLag(Term):
                 Parameter("damping", "", 0.02, 5.0, 0.7, 0.5),
                 Parameter("moving", "", 0.0, 1.0, 0.0, 0.5),
             )
-        return (Parameter("time_constant", "s", 0.0, longest, usual, usual),)
+        return (late,)
 
     def load(self, values: np.ndarray, motion: Motion, state: np.ndarray | None) -> Load:
         return Load(drag=float(values[0]))
@@ -121,6 +151,9 @@ class ResponseLag(Term):
         if state is None:
             state = np.array([motion.time_s[0], signal[0], 0.0, signal[0]])
         dwell, asked = dwells(motion, float(state[0])), np.ascontiguousarray(signal)
+        if self.form == "slewing":
+            out = slewed(asked, dwell, float(values[0]), float(values[1]), float(state[1]))
+            return out, np.array([motion.time_s[-1], out[-1], 0.0, asked[-1]])
         frequency, damping, moving = (float(value) for value in values)
         out, last = swung(asked, dwell, frequency, damping, moving, float(state[3]), state[1:3])
         return out, np.concatenate([motion.time_s[-1:], last])
@@ -128,6 +161,10 @@ class ResponseLag(Term):
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
         dwell, usual = max(around.dwell_s, 1e-9), usual_lag_s(around)
         lags = {k * unit for k in (0.3, 0.7, 1.5, 4.0) for unit in (dwell, usual)}
+        if self.form == "slewing":
+            fastest = 2.0 * around.drive_span / dwell
+            speeds = fastest * np.geomspace(2e-3, 0.25, SPEEDS)
+            return np.array([[lag, speed] for lag in sorted(lags)[::2] for speed in speeds])
         if self.form != "first":
             paces = {k / unit for k in (0.15, 0.5, 1.5) for unit in (dwell, usual)}
             return np.array(
@@ -150,11 +187,20 @@ class ResponseLag(Term):
         return self.form == "first" and super().void(values)
 
     def excited(self, motion: Motion, around: Surroundings) -> bool:
-        return around.drive_span > 0.0 and around.dwell_s > 0.0
+        moves = around.drive_span > 0.0 and around.dwell_s > 0.0
+        if self.form != "slewing":
+            return moves
+        jumps = np.abs(np.diff(motion.drive)) > JUMP * around.drive_span
+        return moves and 0.0 < float(np.mean(jumps)) < RARE
 
     def sentence(self, values: np.ndarray, around: Surroundings) -> str:
         if self.form == "first":
             return super().sentence(values, around)
+        if self.form == "slewing":
+            return self.says_of_slewing.format(
+                time_constant=f"{values[0]:.3g} s",
+                top_speed=f"{values[1]:.3g} {around.drive_unit}/s",
+            )
         return self.says_of_second.format(
             who="The motor itself" if self.form == "motor" else "The whole motion",
             natural_frequency=f"{values[0]:.3g} rad/s",

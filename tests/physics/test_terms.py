@@ -117,3 +117,21 @@ def test_still_motion_excites_nothing_that_needs_motion():
     assert not [
         t.name for t in force_terms() if t.adds and t.site == "body" and t.excited(still, quiet)
     ]
+
+
+def test_a_motor_with_a_top_speed_runs_at_it_and_then_comes_near_as_a_lag_does():
+    t = np.arange(400) * 0.01
+    drive = np.where(t < 1.0, 0.0, 50.0)
+    motion = Motion(drive, t, np.zeros(400, dtype=int))
+    values = np.array([0.1, 100.0])
+    x = term("response_lag", "slewing").respond(drive, motion, values, None)[0]
+    since = t - 0.99
+    running = (since > 0.0) & (since < 0.4)
+    np.testing.assert_allclose(x[running], 100.0 * since[running], atol=1e-9)
+    later = since > 0.4
+    np.testing.assert_allclose(
+        x[later], 50.0 - 10.0 * np.exp(-(since[later] - 0.4) / 0.1), atol=1e-9
+    )
+    speeds = Surroundings(drive_span=50.0, dwell_s=0.01)
+    assert term("response_lag", "slewing").excited(motion, speeds)
+    assert not term("response_lag", "slewing").excited(triangle(), around(triangle()))
