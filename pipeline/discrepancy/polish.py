@@ -3,24 +3,28 @@
 import numpy as np
 
 from pipeline.discrepancy.choose import (
+    FAINT,
     MOST_TERMS,
     SAME,
     Choice,
     Key,
     Search,
+    allowed,
     best_of_each,
+    by_term,
     extended,
     grown,
 )
 from pipeline.discrepancy.fit import ITERATIONS, evaluate, improve, parameters_of
 from pipeline.discrepancy.reform import reformed
+from pipeline.discrepancy.screen import screen, started
 from pipeline.physics.capstan_friction import CapstanFriction
 from pipeline.physics.friction import Friction
 from pipeline.physics.mechanism import Piece
 from pipeline.physics.response_lag import ResponseLag
 
 SHEATH = CapstanFriction("pretensioned")
-WORTH = 150.0
+WORTH, BEND = 150.0, "bend"
 HOPED = 40.0
 LEFT = ((0.65, 0.3), (0.5, 0.7))
 
@@ -70,27 +74,62 @@ def _polished(search: Search, choices: list[Choice]) -> list[Choice]:
                 if child.fit.key not in found or child.score < found[child.fit.key].score:
                     found[child.fit.key] = child
         if min(found.values(), key=lambda c: c.score) is best:
-            break
+            bent = unpromised(search, best)
+            if bent is best:
+                break
+            found[bent.fit.key] = bent
+    else:
+        fewest = thinned(search, min(found.values(), key=lambda c: c.score))
+        found[fewest.fit.key] = fewest
     return sorted(found.values(), key=lambda c: c.score)
 
 
-def merged(search: Search, choice: Choice) -> Choice:
-    """The choice with all that comes late replaced by one lag of another form, if that is better.
+def unpromised(search: Search, choice: Choice) -> Choice:
+    """The choice with a bend of the curve besides, though no linear step promises any, if better.
 
-    A creep beside a lag can follow what is one lag of second order, and a frame that is old beside
-    play what is a motor that is late; no swap of terms leads there.
+    Other terms and the calibration take a bend's place; it shows only once they have moved.
+    """
+    fit = choice.fit
+    bends = [t for t in allowed(search.terms, fit) if t.group == BEND]
+    if not fit.pieces:
+        return choice
+    trials = [
+        improve(started(fit, few), 3, fit) for few in by_term(screen(fit, search.effects, bends))
+    ]
+    best = min(trials, key=lambda t: t.cost, default=fit)
+    if choice.score - search.hoped(best, choice.place) <= -FAINT:
+        return choice
+    return min(choice, search.weighed(improve(best, 8), choice.place), key=lambda c: c.score)
+
+
+def thinned(search: Search, choice: Choice) -> Choice:
+    """The choice without the terms that earn nothing any more beside the others."""
+    for piece in choice.fit.pieces:
+        rest = [p for p in choice.fit.pieces if p is not piece]
+        fewer = search.weighed(improve(evaluate(choice.fit.ground, rest)), choice.place)
+        if fewer.score < choice.score:
+            return thinned(search, fewer)
+    return choice
+
+
+def merged(search: Search, choice: Choice) -> Choice:
+    """The choice with its lag, or all that comes late, as one lag of another form, if better.
+
+    A creep beside a lag can follow what is one lag of second order, a frame that is old what a
+    swinging joint beside a creep does, and one beside play a motor that is late; no swap of terms
+    leads there.
     """
     late = [p for p in choice.fit.pieces if p.term.group == "lag" or p.term.name == "creep"]
     lag = next((p for p in late if p.term.group == "lag"), None)
-    rest = [p for p in choice.fit.pieces if p is lag or p not in late]
     if lag is None or len(choice.fit.pieces) == 1:
         return choice
-    for form in ("second", "motor"):
-        if lag.term.form != form:
-            place = next(k for k, p in enumerate(rest) if p is lag)
-            fit = evaluate(choice.fit.ground, rest)
-            trial = search.weighed(reformed(fit, place, ResponseLag(form)), choice.place)
-            choice = min(choice, trial, key=lambda c: c.score)
+    alone = [p for p in choice.fit.pieces if p is lag or p not in late]
+    for rest in (alone, choice.fit.pieces)[: len(late)]:
+        fit, place = evaluate(choice.fit.ground, rest), [p is lag for p in rest].index(True)
+        for form in ("second", "motor"):
+            if lag.term.form != form:
+                trial = search.weighed(reformed(fit, place, ResponseLag(form)), choice.place)
+                choice = min(choice, trial, key=lambda c: c.score)
     return choice
 
 

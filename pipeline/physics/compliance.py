@@ -12,7 +12,9 @@ class Compliance(Term):
 
     stretch * theta, and besides, in form "wire", softness * reach * (1 - exp(-|theta| / reach)) of
     a free joint: a wire that is soft while it is loose and hardens with its force; `stiffness` is
-    the joint's over the wire's. Form "joint": hardening * theta^3. Source: two springs in series;
+    the joint's over the wire's. Form "smooth": the same softness at first, but falling only with
+    the force's square, as of Duffing's spring (s + h s^3 = force): two such exponentials, of which
+    the second takes off the toe. Form "joint": hardening * theta^3. Source: two springs in series;
     toe region of wire ropes, Feyrer, Wire Ropes (2015), section 2.3; Duffing.
     """
 
@@ -48,8 +50,12 @@ class Compliance(Term):
         if self.form == "joint":
             return Load(smooth=(float(values[1]), float(values[0]), 0.0, 0.0))
         softness, reach, stretch, stiffness = values
-        give = [softness * reach, 1.0 / (stiffness * reach), stiffness, 0.0]
-        return Load(smooth=(float(stretch), 0.0, 0.0, 0.0), give=np.array([give]))
+        most, sharpness = softness * reach, 1.0 / (stiffness * reach)
+        give = [[most, sharpness, stiffness, 0.0]]
+        if self.form == "smooth":
+            toe = [-0.5 * most, 2.0 * sharpness, stiffness, 0.0]
+            give = [[2.0 * most, sharpness, stiffness, 0.0], toe]
+        return Load(smooth=(float(stretch), 0.0, 0.0, 0.0), give=np.array(give))
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
         half = 0.5 * around.angle_span

@@ -56,9 +56,9 @@ class Slack(Term):
         )
 
     def excited(self, motion: Motion, around: Surroundings) -> bool:
-        """Form "home" where the drive passes 0; the other begins a search only where it doesn't."""
+        """Form "home" where the drive passes 0."""
         home = around.drive_low < 0.0 < around.drive_low + around.drive_span
-        return around.drive_span > 0.0 and home == (self.form == HOME)
+        return around.drive_span > 0.0 and (home or self.form != HOME)
 
 
 HOME = "home"

@@ -92,3 +92,14 @@ def test_a_near_rival_is_weighed_in_the_form_that_suits_it():
     assert again[0].fit.key != near.fit.key
     assert again[0].score < late.score
     assert levelled(search, [late, replace(first, score=late.score + 100.0)])[0] is late
+
+
+def test_slack_off_home_is_found_beside_a_ripple():
+    hidden = {
+        "slack": {"width": 8.0, "centre": -11.0, "rounding": 0.6, "stiffness": 0.09},
+        "transmission_ripple": {"amplitude": 1.2, "period": 45.0, "phase": 1.0},
+    }
+    recording = recorded(hidden, seed=1)
+    simulated = recording.values("pitch_angle_sim_deg")
+    found = explain(pose_problem(DiagnosisConfig(), recording, "pitch_angle_deg", simulated))
+    assert set(found.choices[0].fit.names) == set(hidden)

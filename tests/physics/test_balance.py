@@ -257,6 +257,15 @@ def test_another_axis_pulls_the_wires_of_a_curved_joint():
     np.testing.assert_allclose(pulled, expected, atol=1e-5)
 
 
+def test_a_smooth_wire_gives_way_like_a_toeing_one_at_first_but_evenly_and_hardens_later():
+    motion = line(-40.0, 40.0, 81)
+    values = np.array([0.4, 5.0, 0.0, 0.1])
+    toe, smooth = (answer(motion, Piece(Compliance(f), values)) for f in ("wire", "smooth"))
+    np.testing.assert_allclose(np.diff(smooth)[39:41], 1.0 / 1.4, rtol=0.01)
+    assert np.diff(toe)[40] > np.diff(smooth)[40] + 0.01
+    np.testing.assert_allclose(motion.drive[[0, -1]] - smooth[[0, -1]], [-3.0, 3.0], atol=0.01)
+
+
 def test_a_ripple_counts_from_where_the_drive_is_zero_or_from_its_mean():
     motion = line(-30.0, 30.0, 61)
     mean = {"first": 2.0 * np.sin(1.1), "second": 2.0 * np.sin(1.1) + 0.4 * np.sin(2.0)}
