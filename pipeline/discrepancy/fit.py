@@ -257,7 +257,7 @@ def difference_step(p: Parameter, value: float) -> float:
     size = 0.01 * p.typical if p.typical > 0.0 else 1e-4 * (p.high - p.low)
     if p.relative:
         size = SHARE_OF_VALUE * value
-    if p.stepwise:
+    if p.moment:
         return 0.0
     return -size if value + size > p.high else size
 

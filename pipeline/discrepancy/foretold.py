@@ -83,7 +83,7 @@ def called_for(ground: Ground, pieces: Sequence[Piece]) -> Fit:
     """Pieces refitted, without each slip that does not lower the cost by what it is charged."""
     fit = improve(evaluate(ground, pieces))
     for piece in pieces:
-        if any(p.stepwise for p in piece.term.parameters(ground.problem.around)):
+        if any(p.moment for p in piece.term.parameters(ground.problem.around)):
             rest = [p for p in fit.pieces if p.term is not piece.term]
             without = improve(evaluate(ground, rest))
             if without.cost + complexity(without) < fit.cost + complexity(fit):

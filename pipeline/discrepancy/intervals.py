@@ -113,7 +113,7 @@ def estimates(fit: Fit, covariance: np.ndarray) -> list[tuple[Piece, tuple[Estim
                 variance += 2.0 * gain * value * covariance[0, k]
             if p.unit == "s":
                 variance += arrival_s(fit) ** 2
-            if p.stepwise:
+            if p.moment:
                 low, high = moment_interval(fit, i, j)
                 low, high = min(low, float(value)), max(high, float(value))
             else:

@@ -37,7 +37,7 @@ def in_order(fit: Fit) -> Fit:
 
 def moments_of(fit: Fit, piece: Piece) -> list[int]:
     """Which of a piece's parameters are moments."""
-    return [j for j, p in enumerate(parameters_of(fit.ground, piece.term)) if p.stepwise]
+    return [j for j, p in enumerate(parameters_of(fit.ground, piece.term)) if p.moment]
 
 
 def moments(fit: Fit) -> np.ndarray:

@@ -22,7 +22,7 @@ def reformed(fit: Fit, place: int, term: Term) -> Fit:
         told = _within(fit.ground.box(term), term.retold(np.unique(starts, axis=0)))
         starts = told if len(told) else starts
     before, after = fit.pieces[:place], fit.pieces[place + 1 :]
-    if any(p.stepwise for p in parameters_of(fit.ground, term)):
+    if any(p.moment for p in parameters_of(fit.ground, term)):
         starts = _sized(fit, place, term, starts)
     trials = [evaluate(fit.ground, (*before, Piece(term, values), *after)) for values in starts]
     trials.sort(key=lambda t: t.cost)

@@ -21,10 +21,11 @@ class TermError(LoopgapError):
 class Parameter:
     """A number with a meaning; `start` is where a search begins, `typical` a size that is usual.
 
-    stepwise: it acts between two samples only, so that the answer has no slope by it. weak: data
-    say little of it, so that it is held near its start and no choice charges for it. relative: it
-    may lie anywhere over decades, so that its slope is taken over a share of its value. measured:
-    it is a size in the measurement itself, and is told with the calibration's gain in it.
+    moment: it is a time and acts between two samples only, so that the answer has no slope by it
+    and samples are tried; any other edge needs a width. weak: data say little of it, so that it is
+    held near its start and no choice charges for it. relative: it may lie anywhere over decades, so
+    that its slope is taken over a share of its value. measured: it is a size in the measurement
+    itself, and is told with the calibration's gain in it.
     """
 
     name: str
@@ -33,7 +34,7 @@ class Parameter:
     high: float
     start: float
     typical: float
-    stepwise: bool = False
+    moment: bool = False
     weak: bool = False
     relative: bool = False
     measured: bool = False

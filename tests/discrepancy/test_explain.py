@@ -8,7 +8,7 @@ from pipeline.config import DiagnosisConfig
 from pipeline.discrepancy.contested import contested, levelled, rival_names
 from pipeline.discrepancy.explain import explain, refuted, searched_wide
 from pipeline.discrepancy.fit import evaluate, improve
-from pipeline.discrepancy.polish import loosened
+from pipeline.discrepancy.moves import loosened
 from pipeline.discrepancy.problem import pose_problem
 from pipeline.physics.catalogue import term
 from pipeline.physics.mechanism import Piece

@@ -1,0 +1,125 @@
+"""Moves from one explanation to another that no swap or added term makes."""
+
+import numpy as np
+
+from pipeline.discrepancy.choose import (
+    FAINT,
+    MOST_TERMS,
+    SAME,
+    Choice,
+    Search,
+    allowed,
+    by_term,
+    grown,
+)
+from pipeline.discrepancy.fit import ITERATIONS, evaluate, improve, parameters_of
+from pipeline.discrepancy.reform import reformed
+from pipeline.discrepancy.screen import screen, started
+from pipeline.physics.capstan_friction import CapstanFriction
+from pipeline.physics.friction import Friction
+from pipeline.physics.mechanism import Piece
+from pipeline.physics.response_lag import ResponseLag
+
+SHEATH = CapstanFriction("pretensioned")
+BEND = "bend"
+HOPED = 40.0
+LEFT = ((0.65, 0.3), (0.5, 0.7))
+
+
+def unpromised(search: Search, choice: Choice) -> Choice:
+    """The choice with a bend of the curve besides, though no linear step promises any, if better.
+
+    Other terms and the calibration take a bend's place; it shows only once they have moved.
+    """
+    fit = choice.fit
+    bends = [t for t in allowed(search.terms, fit) if t.group == BEND]
+    if not fit.pieces:
+        return choice
+    trials = [
+        improve(started(fit, few), 3, fit) for few in by_term(screen(fit, search.effects, bends))
+    ]
+    best = min(trials, key=lambda t: t.cost, default=fit)
+    if choice.score - search.hoped(best, choice.place) <= -FAINT:
+        return choice
+    return min(choice, search.weighed(improve(best, 8), choice.place), key=lambda c: c.score)
+
+
+def merged(search: Search, choice: Choice) -> Choice:
+    """The choice with its lag, or all that comes late, as one lag of another form, if better.
+
+    A creep beside a lag can follow what is one lag of second order, a frame that is old what a
+    swinging joint beside a creep does, and one beside play a motor that is late; no swap of terms
+    leads there.
+    """
+    late = [p for p in choice.fit.pieces if p.term.group == "lag" or p.term.name == "creep"]
+    lag = next((p for p in late if p.term.group == "lag"), None)
+    if lag is None or len(choice.fit.pieces) == 1:
+        return choice
+    alone = [p for p in choice.fit.pieces if p is lag or p not in late]
+    for rest in (alone, choice.fit.pieces)[: len(late)]:
+        fit, place = evaluate(choice.fit.ground, rest), [p is lag for p in rest].index(True)
+        for form in ("second", "motor"):
+            if lag.term.form != form:
+                trial = search.weighed(reformed(fit, place, ResponseLag(form)), choice.place)
+                choice = min(choice, trial, key=lambda c: c.score)
+    return choice
+
+
+def lagging(search: Search, choice: Choice) -> Choice:
+    """The choice with a lag in place of a creep at the largest of its shares, if that is better.
+
+    Such a creep, with what mends it, is a lag of the whole motion; no swap of one term leads there.
+    """
+    for creep in (p for p in choice.fit.pieces if p.term.name == "creep"):
+        if creep.values[0] >= parameters_of(choice.fit.ground, creep.term)[0].high:
+            rest = [p for p in choice.fit.pieces if p is not creep and p.term.group != "lag"]
+            lag = Piece(ResponseLag(), creep.values[1:2])
+            fit = improve(evaluate(choice.fit.ground, [*rest, lag]))
+            return min(choice, search.weighed(fit, choice.place), key=lambda c: c.score)
+    return choice
+
+
+def loosened(search: Search, choice: Choice) -> Choice:
+    """The choice with a part of its friction's loop left to slack, if that is better.
+
+    Friction holds the joint between its loose wires: about as much as these are slack, the loop is
+    wider. No small step leads from friction alone to both.
+    """
+    slack = next((t for t in search.terms if t.name == "slack"), None)
+    full = len(choice.fit.pieces) >= MOST_TERMS
+    if slack is None or full or "slack" in choice.fit.names:
+        return choice
+    ground, key = choice.fit.ground, choice.fit.key | {("slack", slack.form)}
+    if abs(search.plain.get(key, np.inf) - choice.score) < SAME:
+        return choice
+    problem = ground.problem
+    for friction in (p for p in choice.fit.pieces if isinstance(p.term, Friction)):
+        rest = [p for p in choice.fit.pieces if p is not friction]
+        width, reach = friction.values[:2]
+        trials = []
+        for own, spread in LEFT:
+            loose = slack.candidates(problem.motion, problem.around)[0]
+            loose[0] = 1.4 * (1.0 - own) * width / max(abs(problem.curve.slope), 1e-12)
+            loose[-1] = 0.02
+            held = Piece(Friction(), np.array([own * width, own * reach, spread]))
+            trials.append(improve(evaluate(ground, [*rest, held, Piece(slack, loose)]), 4))
+        fit = improve(min(trials, key=lambda t: t.cost), 2 * ITERATIONS)
+        if fit.cost < choice.fit.cost + HOPED:
+            trial = grown(search, search.weighed(fit, choice.place))
+            if trial.score < choice.score:
+                return trial
+        search.plain[key] = choice.score
+    return choice
+
+
+def sheathed(search: Search, choice: Choice) -> Choice:
+    """The choice with friction of one width replaced by a share of the pull, if that is better."""
+    for i, piece in enumerate(choice.fit.pieces):
+        key = choice.fit.key | {(piece.term.name, SHEATH.form)}
+        tried = abs(search.plain.get(key, np.inf) - choice.score) < SAME
+        if isinstance(piece.term, Friction) and not tried:
+            trial = search.weighed(reformed(choice.fit, i, SHEATH), choice.place)
+            if trial.score < choice.score:
+                return trial
+            search.plain[key] = choice.score
+    return choice
