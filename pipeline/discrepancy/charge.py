@@ -17,14 +17,17 @@ ABSURD = 2.0
 def complexity(fit: Fit) -> float:
     """The charge for a fit's terms and for those of their parameters that are not at a bound.
 
-    A calibration that can be none explains as little as a term that amounts to nothing.
+    Each moment of a term is an event of its own: a second slip is as unlikely as the first. A
+    calibration that can be none explains as little as a term that amounts to nothing.
     """
     charge = 0.0 if absurd_calibration(fit) is None else VOID
     for i, piece in enumerate(fit.pieces):
         charge += VOID if piece.term.void(piece.values) else 0.0
         again = piece.term.name in SIDED and piece.term.name in fit.names[:i]
-        charge += (SECOND_SIDE if again else TERM_COST) + UNLIKELY.get(piece.term.name, 0.0)
-        for p, value in zip(parameters_of(fit.ground, piece.term), piece.values, strict=True):
+        own = (SECOND_SIDE if again else TERM_COST) + UNLIKELY.get(piece.term.name, 0.0)
+        parameters = parameters_of(fit.ground, piece.term)
+        charge += own * max(sum(p.moment for p in parameters), 1)
+        for p, value in zip(parameters, piece.values, strict=True):
             nothing = p.weak or (value <= p.low and p.typical > 0.0)
             charge += AT_BOUND if nothing else np.log(independent(fit.ground))
     return charge
