@@ -43,7 +43,6 @@ def terms(other_commands: Iterable[str] = ()) -> tuple[Term, ...]:
         Slack(),
         Compliance("wire"),
         Compliance("joint"),
-        Compliance("smooth"),
         Creep(),
         TensionLoss(),
         Gravity(),
