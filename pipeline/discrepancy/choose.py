@@ -235,7 +235,7 @@ def extended(
 def worthwhile(
     search: Search, parent: Choice, trials: Sequence[Fit], slow: Sequence[Fit], most: int
 ) -> list[Fit]:
-    """The trials of the best few names, and of slow ones, that may still become the best.
+    """The best few trials, and the best of each slow name, that may still become the best.
 
     After its steps (more where the first left it behind) a trial is out that is further behind its
     parent than the least charge for a term, or has gained less than half as much as the best one
