@@ -80,9 +80,9 @@ def _do(job: Job, configure: Callable[[], tuple[Config, str]]) -> None:
     began = now()
     noted = job.noted()
     was_done = noted.get("status") == "done" and noted.get("overrides") == job.told()
+    for part in job.folder.rglob(".*.part"):  # of a process that was killed: the lock is ours
+        part.unlink()
     if not was_done:
-        for part in job.folder.rglob(".*.part"):
-            part.unlink()
         job.note("running")
     config, text = configure()
     cache = StageCache(Path(config.cache.folder)) if config.cache.use else None

@@ -50,6 +50,10 @@ def test_a_killed_sweep_ends_as_an_undisturbed_one(kills: ModuleType, tmp_path: 
         assert len(kills.results_of(place)) == 4 * 6
     assert (tally.lost, tally.corrupt, tally.doubled, tally.other_tables) == (0, 0, 0, 0)
     assert tally.notes == []
+    half = tmp_path / "round-0" / "sweep" / "0" / ".config.yaml.1.part"
+    half.write_text("sel")
+    assert kills.Place(tmp_path / "round-0", asked).finish() == (0, "")
+    assert not half.exists(), "of a job that was done before and killed when asked again"
     again = json.loads((tmp_path / "round-0" / "sweep" / "0" / "provenance.json").read_text())
     assert [stage["stage"] for stage in again["stages"]] == ["training", "evaluation"]
     status, errors = kills.Place(tmp_path / "round-0", (*asked, "seed=1")).finish()
