@@ -34,6 +34,7 @@ LOOPS = {
     "stop": {"end_stop": [30.0, 0.3, 0.02]},
     "friction, stop": {"friction": [5.0, 4.0, 0.7], "end_stop": [30.0, 0.3, 0.02]},
     "gravity": {"gravity": [4.0, 0.4]},
+    "compliance": {"compliance": [0.3, 10.0, 0.1, 0.2]},
     "slack": {"slack": [8.0, 0.0, 0.2, 0.05]},
     "slack, creep": {"slack": [8.0, 0.0, 0.2, 0.05], "creep": [0.2, 9.0]},
 }  # fmt: skip
@@ -47,12 +48,12 @@ def cycles() -> Motion:
 
 
 def loop_of(mechanism: Mechanism, motion: Motion) -> Callable[[], object]:
-    """The compiled loop that a mechanism in balance runs, ready to be called again."""
-    compiled, given = at_joint.balance, []
-    at_joint.balance = lambda *arguments: (given.extend(arguments), compiled(*arguments))[1]
+    """What a mechanism in balance runs in compiled loops, ready to be called again."""
+    solve, given = at_joint.solve, []
+    at_joint.solve = lambda *arguments: (given.extend(arguments), solve(*arguments))[1]
     mechanism.respond(motion)
-    at_joint.balance = compiled
-    return lambda: compiled(*given)
+    at_joint.solve = solve
+    return lambda: solve(*given)
 
 
 def bouc_wen(motion: Motion) -> np.ndarray:

@@ -22,6 +22,7 @@ import numpy as np
 
 from pipeline.physics.equilibrium import NEVER, balance
 from pipeline.physics.kinematics import Curve
+from pipeline.physics.memoryless import FEWEST, settled
 from pipeline.physics.motion import Motion
 
 if TYPE_CHECKING:
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
 
 BALANCE = "balance"
 Loose = tuple[float, float, float, float]
+Bends = tuple[Any, ...]
 NO_LOOSE: Loose = (0.0, 0.0, 0.0, 0.0)
 
 
@@ -111,20 +113,36 @@ def settle(
             (cubic, gravity, zero, 1.0 / motion.radian), contact, give, loose,
             min(NEVER, *pretensions), bristle, bent,
         )  # fmt: skip
-        balance(
+        solve(
             np.ascontiguousarray(asked), pushed, dwell, slip, arm, drag, bends, float(linear),
-            state is None, carried[1:], np.zeros((len(arm), 3)), angle,
+            state is None, carried[1:], angle,
         )  # fmt: skip
         carried[0] = motion.time_s[-1]
     states = {key: load.carried for key, load in zip(keys, loads, strict=True) if load.carried.size}
     return angle, {BALANCE: carried, **states}
 
 
+def solve(
+    asked: np.ndarray, pushed: np.ndarray, dwell: np.ndarray, slip: np.ndarray, arm: np.ndarray,
+    drag: float, bends: Bends | None, linear: float, fresh: bool, state: np.ndarray,
+    angle: np.ndarray,
+) -> None:  # fmt: skip
+    """Joint angles (in place, as `state`): of all samples abreast where none needs the one before.
+
+    Arguments: see `equilibrium.balance`.
+    """
+    forgets = bends is not None and len(state) == 3 and drag == 0.0 and len(asked) >= FEWEST
+    if forgets and settled(asked, pushed, linear, cast(Bends, bends), state, angle):
+        return
+    gone = np.zeros((len(arm), 3))
+    balance(asked, pushed, dwell, slip, arm, drag, bends, linear, fresh, state, gone, angle)
+
+
 def bending(
     smooth: tuple[float, float, float, float], contact: np.ndarray, give: np.ndarray,
     loose: Loose, pretension: float, bristle: np.ndarray,
     bent: np.ndarray,
-) -> tuple[Any, ...] | None:  # fmt: skip
+) -> Bends | None:  # fmt: skip
     """All that bends the balance, flat as the compiled loop takes it; None where nothing does.
 
     smooth: cubic, gravity, its zero, an angle's unit in radians. bent: forces of the bristles.

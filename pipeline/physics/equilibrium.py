@@ -13,7 +13,7 @@ from pipeline.physics.decay import decayed
 from pipeline.physics.pre_sliding import bristled
 from pipeline.physics.tabled import inlined, ramped, waved
 
-SWEEPS = 40
+SWEEPS, PATIENCE = 40, 8
 PRECISE = 1e-6
 LONG, BRIEF, SOFTEST = 300.0, 1e-9, 0.05
 LEAST_PULL, LEAST_SLOPE = 1e-12, 1e-3
@@ -125,7 +125,7 @@ def _rested(at, start, asked, stiff, pull, tangent, bends):  # type: ignore[no-u
         else:
             low, under = at, rest
         at -= move
-        if at <= low or at >= high:
+        if at <= low or at >= high or (sweep > PATIENCE and sweep % 2 and high - low < NEVER):
             share = 0.5 if sweep % 2 else under / (under - over)
             at = low + share * (high - low)
         elif contact.shape[0] > 0 and abs(move * contact[0, 0]) > 1.0:
