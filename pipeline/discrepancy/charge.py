@@ -41,7 +41,10 @@ def absurd_calibration(fit: Fit) -> str | None:
     """
     around = fit.ground.problem.around
     gain, offset = fit.nuisance[:2]
-    if not 1.0 / ABSURD < gain < ABSURD:
+    problem = fit.ground.problem
+    allowed = abs(gain - 1.0) < FAR_OFF * problem.tolerance.gain
+    turned = gain <= 0.0 and problem.derivatives is None
+    if turned or not (allowed or 1.0 / ABSURD < gain < ABSURD):
         return f"the gain, which is {gain:.3g}"
     if abs(offset) > max(around.angle_span, FAR_OFF * fit.ground.problem.tolerance.offset):
         return f"the offset, which is {offset:.3g} {around.angle_unit}"

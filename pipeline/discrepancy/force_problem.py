@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from pipeline.config import DiagnosisConfig
+from pipeline.discrepancy.fitted import tolerance_of_fit
 from pipeline.discrepancy.problem import (
     MOST_ROWS,
     Averaged,
@@ -12,6 +13,7 @@ from pipeline.discrepancy.problem import (
     held_out_rows,
     refuse_unfit,
 )
+from pipeline.discrepancy.stale import NONE_STALE, hung_samples
 from pipeline.physics.force_motion import force_motion
 from pipeline.physics.force_units import position_unit
 from pipeline.physics.kinematics import IdentityCurve
@@ -38,12 +40,15 @@ def pose_force_problem(
     little to judge.
     """
     motion, derivatives = force_motion(recording, position, simulated, config.cutoff_hz)
-    measured = recording.values(measurement)
+    came = recording.values(measurement)
+    stale = replace(NONE_STALE, hung=hung_samples(came, motion.drive))
+    measured = np.where(stale.hung, np.nan, came)
     said = np.isfinite(np.convolve(simulated, np.ones(3), mode="same"))
     known = np.isfinite(measured) & said & derivatives.known
     heldout = held_out_rows(config.heldout, motion, known)
     train = known & ~heldout
     refuse_unfit(config.heldout, measurement, train, known & heldout)
+    tolerance = tolerance_of_fit(config.tolerance, came, simulated, motion.drive, heldout)
     around = _surroundings(recording, measurement, position, motion, measured[train])
     return Problem(
         motion=motion,
@@ -53,10 +58,11 @@ def pose_force_problem(
         train=train,
         heldout=known & heldout,
         around=around,
-        tolerance=config.tolerance,
+        tolerance=replace(tolerance, shape=config.tolerance.shape),
         drive=position,
         static=True,
         derivatives=derivatives,
+        stale=stale,
     )
 
 

@@ -33,7 +33,13 @@ def notes(
             f"{again} of {len(problem.measured)} samples say to the last digit what the one before "
             f"said, while the motion went on: {why}, and they do not count."
         )
-    missing = int((~np.isfinite(problem.measured)).sum()) - again
+    hung = int(problem.stale.hung.sum())
+    if hung:
+        out.append(
+            f"{hung} of {len(problem.measured)} samples stand at one value while the motion went "
+            "on, and then leap to where it is: the sensor hung, and they do not count."
+        )
+    missing = int((~np.isfinite(problem.measured)).sum()) - again - hung
     if missing:
         out.append(f"{missing} of {len(problem.measured)} samples were not measured.")
     if problem.counted:

@@ -7,10 +7,11 @@ import numpy as np
 
 from pipeline.config import DiagnosisConfig, HeldoutConfig, ToleranceConfig
 from pipeline.discrepancy.counts import uncounted
-from pipeline.discrepancy.stale import NONE_STALE, StaleSamples, stale_samples
+from pipeline.discrepancy.fitted import tolerance_of_fit
+from pipeline.discrepancy.stale import NONE_STALE, StaleSamples, hung_samples, stale_samples
 from pipeline.errors import LoopgapError, refusal
 from pipeline.physics.differentiation import Derivatives
-from pipeline.physics.kinematics import Curve, IdentityCurve, sampled_curve
+from pipeline.physics.kinematics import Curve, IdentityCurve, sampled_curve, straightened
 from pipeline.physics.mechanism import Mechanism, Piece, Trace
 from pipeline.physics.motion import Motion
 from pipeline.physics.term import Surroundings
@@ -171,9 +172,11 @@ def pose_problem(
 
     Raises DiagnosisError where there is too little to judge.
     """
-    measured = recording.values(measurement)
-    stale = stale_samples(measured, simulated)
-    measured = np.where(stale.rows, np.nan, measured)
+    came = recording.values(measurement)
+    stale = stale_samples(came, simulated)
+    if not stale.rows.any():
+        stale = replace(stale, hung=hung_samples(came, simulated))
+    measured = np.where(stale.rows | stale.hung, np.nan, came)
     known = np.isfinite(measured) & np.isfinite(simulated)
     refuse_unknown(measurement, known)
     motion, curve, drive, static = driven_by(recording, measurement, simulated)
@@ -185,8 +188,11 @@ def pose_problem(
         seen = np.where(train, measured, np.nan)
         motion, curve, counted = uncounted(motion, curve, seen, simulated)
     around = surroundings_of(recording, measurement, motion, simulated, drive, static, train)
+    tolerance = tolerance_of_fit(config.tolerance, came, simulated, motion.drive, heldout)
+    if static and tolerance.shape > config.tolerance.shape:
+        curve = straightened(curve, motion.drive)
     return Problem(
-        motion, curve, measured, simulated, train, known & heldout, around, config.tolerance,
+        motion, curve, measured, simulated, train, known & heldout, around, tolerance,
         drive, static, counted=counted, stale=stale,
     )  # fmt: skip
 

@@ -9,14 +9,19 @@ from pipeline.discrepancy.counts import quantum_of
 FEWEST, FEWEST_SHARE = 20, 0.03
 BY_CHANCE = 3.0
 ALONE, SCATTERED, EVEN = 1.3, 1.5, 0.4
+FEWEST_HUNG, LEAP, OFTEN = 4, 4.0, 0.9
 
 
 @dataclass(frozen=True)
 class StaleSamples:
-    """rows: (n,) samples that repeat the one before. even: whether new ones come in a rhythm."""
+    """rows: (n,) samples that repeat the one before. even: whether new ones come in a rhythm.
+
+    hung: (n,) samples at which the sensor stood still for a while, see `hung_samples`.
+    """
 
     rows: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=bool))
     even: bool = True
+    hung: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=bool))
 
 
 NONE_STALE = StaleSamples()
@@ -30,7 +35,8 @@ def stale_samples(measured: np.ndarray, simulated: np.ndarray) -> StaleSamples:
     without noise leaves at each turn; so new samples have to come singly among them, or they by
     chance among new ones.
     """
-    none = StaleSamples(np.zeros(len(measured), dtype=bool))
+    nothing = np.zeros(len(measured), dtype=bool)
+    none = StaleSamples(nothing, hung=nothing)
     known = np.flatnonzero(np.isfinite(measured) & np.isfinite(simulated))
     change = np.diff(measured[known])
     same, moving = change == 0.0, np.diff(simulated[known]) != 0.0
@@ -48,4 +54,27 @@ def stale_samples(measured: np.ndarray, simulated: np.ndarray) -> StaleSamples:
     rows = np.zeros(len(measured), dtype=bool)
     rows[known[1:][same]] = True
     rhythm = np.diff(np.flatnonzero(~same)) if new.mean() < ALONE else new
-    return StaleSamples(rows, bool(np.std(rhythm) < EVEN * np.mean(rhythm)))
+    return StaleSamples(rows, bool(np.std(rhythm) < EVEN * np.mean(rhythm)), nothing)
+
+
+def hung_samples(measured: np.ndarray, moving: np.ndarray) -> np.ndarray:
+    """Samples (n,) of stretches at one value, to the last digit, that end in a leap.
+
+    moving: (n,) what moves on meanwhile. What a play or dry friction holds goes on from where it
+    stood; what a sensor shows that hung leaps to where the mechanism has gone: LEAP times as far as
+    it otherwise changes from sample to sample while it moves on.
+    """
+    out = np.zeros(len(measured), dtype=bool)
+    known = np.flatnonzero(np.isfinite(measured) & np.isfinite(moving))
+    change, moves = np.diff(measured[known]), np.diff(moving[known]) != 0.0
+    going = np.abs(change[(change != 0.0) & moves])
+    if len(going) < FEWEST:
+        return out
+    far = LEAP * float(np.quantile(going, OFTEN))
+    same = np.concatenate([[False], change == 0.0, [False]])
+    edges = np.flatnonzero(np.diff(same.astype(int)))
+    for first, last in zip(edges[::2], edges[1::2], strict=True):
+        leaps = last < len(change) and abs(change[last]) > far
+        if leaps and moves[first:last].sum() >= FEWEST_HUNG:
+            out[known[first + 1 : last + 1]] = True
+    return out

@@ -21,6 +21,7 @@ from pipeline.physics.lens_distortion import LensDistortion
 from pipeline.physics.lost_steps import LostSteps
 from pipeline.physics.marker_outliers import MarkerOutliers
 from pipeline.physics.response_lag import ResponseLag
+from pipeline.physics.sheath_stretch import SheathStretch
 from pipeline.physics.slack import Slack
 from pipeline.physics.stiffness import Stiffness
 from pipeline.physics.stribeck_friction import StribeckFriction
@@ -39,6 +40,7 @@ def terms(other_commands: Iterable[str] = ()) -> tuple[Term, ...]:
         Friction(),
         CapstanFriction(),
         CapstanFriction("pretensioned"),
+        SheathStretch(),
         Slack("home"),
         Slack(),
         Compliance("wire"),

@@ -92,6 +92,12 @@ def sampled_curve(drive: np.ndarray, angle: np.ndarray, knots: int = 401) -> Sam
     return SampledCurve(float(grid[0]), float(grid[1] - grid[0]), np.interp(grid, at, mean))
 
 
+def straightened(curve: Curve, drive: np.ndarray) -> SampledCurve:
+    """The straight line that is nearest to a curve over drives (n,)."""
+    ends = np.array([drive.min(), drive.max()])
+    return sampled_curve(ends, np.polyval(np.polyfit(drive, curve(drive), 1), ends))
+
+
 @dataclass(frozen=True)
 class Beside:
     """Another command that a smooth error depends on; middle, half_range: of its values."""

@@ -6,7 +6,7 @@ import pytest
 
 from pipeline.config import DiagnosisConfig
 from pipeline.discrepancy.counts import between_counts, quantum_of, smooth_motion
-from pipeline.discrepancy.stale import stale_samples
+from pipeline.discrepancy.stale import hung_samples, stale_samples
 from pipeline.physics.backlash import Backlash
 from pipeline.physics.motion import Motion
 from pipeline.recording import Channel, Recording, with_context
@@ -74,6 +74,19 @@ def test_samples_that_are_said_again_are_told_from_levels_and_from_play() -> Non
     assert np.mean(np.diff(play) == 0.0) > 0.1
     assert not stale_samples(play, MOVED).rows.any()
     assert not stale_samples(counted(measured), MOVED).rows.any()
+
+
+def test_a_sensor_that_hung_leaps_to_where_the_motion_is() -> None:
+    measured = MOVED + noise(0.1)
+    rows = np.arange(3000)
+    last = np.where((rows > 1000) & (rows < 1030), 1000, rows)
+    assert np.array_equal(np.flatnonzero(hung_samples(measured[last], MOVED)), rows[1001:1030])
+    assert not hung_samples(measured, MOVED).any()
+    assert not hung_samples(np.clip(measured, None, np.quantile(measured, 0.9)), MOVED).any()
+    motion = Motion(MOVED, TIME_S, np.zeros(3000, dtype=np.int64))
+    play = Backlash().respond(MOVED, motion, np.array([4.0]), None)[0]
+    assert not hung_samples(play, MOVED).any()
+    assert not hung_samples(measured[rows // 8 * 8], MOVED).any()
 
 
 def test_play_is_named_alone_behind_counts_and_a_slower_sensor() -> None:

@@ -1,0 +1,67 @@
+"""A simulation that is a fit of the recording: what it says of gain and bend is no knowledge."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from pipeline.config import ToleranceConfig
+from pipeline.physics.kinematics import legendre
+
+ORTHOGONAL = 0.02
+CUBIC = 2
+LOOSE_GAIN = 3.0
+
+
+def tolerance_of_fit(
+    declared: ToleranceConfig,
+    measured: np.ndarray,
+    simulated: np.ndarray,
+    drive: np.ndarray,
+    heldout: np.ndarray,
+) -> ToleranceConfig:
+    """The declared tolerance, or a wide one where the simulation was fitted to the measurement.
+
+    Least squares leave a residual that neither gain nor offset lessens, and that of a curve none
+    that a bend over the drive (n,) lessens. A loop in the measurement has spoilt all of these: a
+    play as wide as half the range halves the gain. So none of them is held against the terms.
+    Where the simulation is straight over the drive, its bend stays as declared; a shape beyond
+    that declared means that its own is no knowledge either. heldout: (n,) rows that the fit may
+    have left out.
+    """
+    known = np.isfinite(measured) & np.isfinite(simulated)
+    for rows in (known, known & ~heldout):
+        found = _tolerance_of_fit(declared, measured[rows], simulated[rows], drive[rows])
+        if found is not declared:
+            return found
+    return declared
+
+
+def _tolerance_of_fit(
+    declared: ToleranceConfig, measured: np.ndarray, simulated: np.ndarray, drive: np.ndarray
+) -> ToleranceConfig:
+    off = measured - simulated
+    if not np.ptp(simulated) > 0.0:
+        return declared
+    left = float(np.std(off))
+    lines = np.column_stack([np.ones(len(off)), simulated - simulated.mean()])
+    if not lessens_nothing(off, lines):
+        return declared
+    loose = replace(
+        declared,
+        gain=max(declared.gain, LOOSE_GAIN),
+        offset=max(declared.offset, left),
+    )
+    straight = np.polyval(np.polyfit(drive, simulated, 1), drive)
+    bent = float(np.std(simulated - straight))
+    middle, half = 0.5 * (drive.max() + drive.min()), max(0.5 * float(np.ptp(drive)), 1e-300)
+    bends = legendre((drive - middle) / half)[:, :CUBIC]
+    fitted = lessens_nothing(off, bends - bends.mean(axis=0))
+    if fitted and bent > ORTHOGONAL * float(np.std(simulated)):
+        loose = replace(loose, shape=max(declared.shape, float(np.hypot(left, bent))))
+    return loose
+
+
+def lessens_nothing(off: np.ndarray, columns: np.ndarray) -> bool:
+    """Whether each of some columns (n, k) correlates less than ORTHOGONAL with a residual (n,)."""
+    sizes = np.sqrt(np.sum(columns**2, axis=0) * float(off @ off))
+    return bool(np.all(np.abs(off @ columns) < ORTHOGONAL * np.maximum(sizes, 1e-300)))
