@@ -6,9 +6,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from pipeline.discrepancy.charge import complexity, independent
-from pipeline.discrepancy.choose import Choice
+from pipeline.discrepancy.choose import SLOW, Choice
 from pipeline.discrepancy.fit import Fit, Ground, evaluate, improve
-from pipeline.discrepancy.ties import TIE
+from pipeline.discrepancy.ties import TIE, names
 from pipeline.physics.lost_steps import LostSteps
 from pipeline.physics.mechanism import Piece
 
@@ -44,9 +44,25 @@ def foretelling(choices: Sequence[Choice]) -> list[Choice]:
     errors = np.array([error_ahead(c, parts) for c in near])
     share = rows_ahead(parts) / max(near[0].fit.ground.count, 1)
     count = share * independent(near[0].fit.ground)
-    extra = np.minimum(count * 2.0 * np.log(errors / errors.min()), TIE)
+    extra = np.minimum(count * 2.0 * np.log(errors / least_errors(near, errors)), TIE)
     weighed = [replace(c, score=c.score + float(e)) for c, e in zip(near, extra, strict=True)]
     return sorted([*weighed, *ranked[len(near) :]], key=lambda c: c.score)
+
+
+def least_errors(choices: Sequence[Choice], errors: np.ndarray) -> np.ndarray:
+    """The least error (k,) of the choices that have no more names than each.
+
+    Whether one name more earns its place is for the scores to say, which charge for it: the rows
+    ahead are a part of those that they know, and would count twice. But noise that walks foretells
+    nothing: a slow name more may be what it hides.
+    """
+    own = [names(choice) for choice in choices]
+    least = []
+    for choice in choices:
+        hidden = frozenset(SLOW) if choice.place[2] > 0 else frozenset()
+        fair = [len(other - hidden) <= len(names(choice)) for other in own]
+        least.append(float(errors[fair].min()))
+    return np.array(least)
 
 
 def foretold_part(choices: Sequence[Choice], choice: Choice) -> Choice:

@@ -9,11 +9,12 @@ import pytest
 from pipeline.config import DiagnosisConfig
 from pipeline.discrepancy.choose import wanders
 from pipeline.discrepancy.explain import explain
-from pipeline.discrepancy.foretold import parts_of
+from pipeline.discrepancy.fit import evaluate
+from pipeline.discrepancy.foretold import least_errors, parts_of
 from pipeline.discrepancy.noise import NoiseModel
 from pipeline.discrepancy.noise_family import noise_family
 from pipeline.discrepancy.noise_learning import NoisePrior
-from pipeline.discrepancy.problem import pose_problem
+from pipeline.discrepancy.problem import Problem, pose_problem
 from pipeline.physics.catalogue import term
 from pipeline.physics.kinematics import CubicCurve
 from pipeline.physics.mechanism import Mechanism, Piece
@@ -49,6 +50,11 @@ def moved(
     names = ["time_s", *(channel.name for channel in CHANNELS)]
     samples = pd.DataFrame(dict(zip(names, columns, strict=True)))
     return Recording(with_context(samples, CHANNELS), CHANNELS, "simulated")
+
+
+def problem_of(recording: Recording) -> Problem:
+    sim = recording.values("tip_sim_deg")
+    return pose_problem(DiagnosisConfig(), recording, "tip_deg", sim)
 
 
 def named(recording: Recording) -> set[str]:
@@ -106,14 +112,23 @@ def test_in_one_cycle_a_bend_takes_no_second_name():
 
 def test_only_commands_that_were_fitted_are_foretold():
     recording = moved(ONCE, seed=5)
-    sim = recording.values("tip_sim_deg")
-    ground = (
-        explain(pose_problem(DiagnosisConfig(), recording, "tip_deg", sim)).choices[0].fit.ground
-    )
+    ground = explain(problem_of(recording)).choices[0].fit.ground
     for part in parts_of(ground):
         assert ONCE[part.ahead].min(initial=0.0) >= ONCE[part.early].min()
         assert not part.early[part.ahead].any()
     assert len(parts_of(ground)[0].ahead) < 0.25 * ground.count
+
+
+def test_what_is_foretold_settles_no_more_names():
+    found = explain(problem_of(moved(20.0 * WAVES, ("backlash", [3.0]), seed=6)))
+    best = found.choices[0]
+    drift = Piece(term("drift", "linear"), np.array([0.2]))
+    more = replace(best, fit=evaluate(best.fit.ground, (*best.fit.pieces, drift)))
+    other = replace(best, fit=evaluate(best.fit.ground, (drift,)))
+    errors = np.array([0.21, 0.20, 0.22])
+    np.testing.assert_allclose(least_errors([best, more, other], errors), [0.21, 0.20, 0.21])
+    walking = replace(best, place=(0, 0, 1))
+    np.testing.assert_allclose(least_errors([walking, more, other], errors), [0.20, 0.20, 0.21])
 
 
 def test_a_frame_behind_is_told_from_play_where_samples_come_unevenly():
@@ -127,8 +142,7 @@ def test_steady_noise_leaves_a_wandering_zero_to_the_terms():
     walk = np.cumsum(np.random.default_rng(9).standard_normal(ROWS))
     prior = NoisePrior(NoiseModel(1.0), 0, 1.0, ())
     recording = moved(ONCE, seed=9)
-    sim = recording.values("tip_sim_deg")
-    problem = pose_problem(DiagnosisConfig(), recording, "tip_deg", sim)
+    problem = problem_of(recording)
     family = noise_family(prior, problem, np.ones(ROWS, dtype=bool))
     assert wanders(family.pick(walk, (0, 0, 0))[1])
     assert not wanders(replace(family, steady=True).pick(walk, (0, 0, 0))[1])
