@@ -16,12 +16,12 @@ from pipeline.discrepancy.fit import ITERATIONS, evaluate, improve, parameters_o
 from pipeline.discrepancy.reform import reformed
 from pipeline.discrepancy.screen import screen, started
 from pipeline.physics.capstan_friction import CapstanFriction
+from pipeline.physics.catalogue import BEND
 from pipeline.physics.friction import Friction
 from pipeline.physics.mechanism import Piece
 from pipeline.physics.response_lag import ResponseLag
 
 SHEATH = CapstanFriction("pretensioned")
-BEND = "bend"
 HOPED = 40.0
 LEFT = ((0.65, 0.3), (0.5, 0.7))
 

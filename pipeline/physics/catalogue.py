@@ -30,6 +30,8 @@ from pipeline.physics.term import Term, TermError
 from pipeline.physics.transmission_ripple import TransmissionRipple
 from pipeline.physics.viscous_friction import ViscousFriction
 
+BEND, BENDING = "bend", LensDistortion("second")
+
 
 def terms(other_commands: Iterable[str] = ()) -> tuple[Term, ...]:
     """Every term in the forms that a search begins with; a coupling for each other command."""
@@ -85,7 +87,11 @@ def force_terms() -> tuple[Term, ...]:
 
 
 def richer(term: Term) -> tuple[Term, ...]:
-    """Forms of a term that hold more of the real thing; their first parameters are the same."""
+    """Forms of a term that hold more of the real thing; their first parameters are the same.
+
+    What bends one static curve is one family in any data: each of it may be the one that bends most
+    freely, lest something else is named for what its own form is too narrow to hold.
+    """
     others: dict[tuple[str, str], tuple[Term, ...]] = {
         ("lost_steps", "once"): (LostSteps("twice"),),
         ("transmission_ripple", "first"): (
@@ -140,7 +146,8 @@ def richer(term: Term) -> tuple[Term, ...]:
     }
     if isinstance(term, Coupling) and not term.plays:
         return (Coupling(f"{term.form}{WITH_PLAY}"),)
-    return others.get((term.name, term.form), ())
+    bend = () if term.group != BEND or term.form == BENDING.form else (BENDING,)
+    return (*others.get((term.name, term.form), ()), *bend)
 
 
 def term(name: str, form: str = "", other_commands: Iterable[str] = ()) -> Term:

@@ -9,8 +9,9 @@ from pipeline.physics.term import NO_STATE, Parameter, Surroundings, Term
 class LensDistortion(Term):
     """seen = theta + k ((theta - c)^3 + c^3): radial distortion about the angle c.
 
-    k [1/angle unit^2] is positive for a pincushion. Source: first radial term of Brown,
-    Photogrammetric Engineering 32(3) (1966) 444, along the arc of the marker.
+    k [1/angle unit^2] is positive for a pincushion. Form "second": k_2 ((theta - c)^5 + c^5)
+    besides. Source: first radial terms of Brown, Photogrammetric Engineering 32(3) (1966) 444,
+    along the arc of the marker.
     """
 
     name = "lens_distortion"
@@ -18,21 +19,38 @@ class LensDistortion(Term):
     group = "bend"
     says = "The lens bends the image, so that the error grows towards its edge."
 
+    def __init__(self, form: str = "first") -> None:
+        self.form = form
+
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
         half, unit = 0.5 * around.angle_span, around.angle_unit
         most = 0.3 / half**2
-        return (
+        own = (
             Parameter("distortion", f"1/{unit}^2", -most, most, 0.05 * most, 0.1 * most),
             Parameter("centre", unit, -1.5 * half, 1.5 * half, 0.0, 0.2 * half),
         )
+        if self.form == "first":
+            return own
+        most = 0.3 / half**4
+        return (*own, Parameter("distortion_2", f"1/{unit}^4", -most, most, 0.0, 0.1 * most))
 
     def respond(
         self, signal: np.ndarray, motion: Motion, values: np.ndarray, state: np.ndarray | None
     ) -> tuple[np.ndarray, np.ndarray]:
-        k, centre = values
+        k, centre = values[:2]
         off = signal - centre
-        return signal + k * (off * off * off + centre**3), NO_STATE
+        seen = signal + k * (off**3 + centre**3)
+        if len(values) > 2:
+            seen += values[2] * (off**5 + centre**5)
+        return seen, NO_STATE
+
+    def scaled(self, values: np.ndarray, factor: float) -> np.ndarray:
+        return values * [factor, 1.0, factor][: len(values)]
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
         half = 0.5 * around.angle_span
-        return np.array([[0.02 / half**2, c * half] for c in (-0.7, -0.2, 0.2, 0.7)])
+        centres = half * np.array([-0.7, -0.2, 0.0, 0.2, 0.7])
+        if self.form == "first":
+            return np.array([[0.02 / half**2, c] for c in centres])
+        sizes = np.array([[0.02, -0.006], [-0.02, 0.006]]) / [half**2, half**4]
+        return np.array([[first, c, second] for first, second in sizes for c in centres])

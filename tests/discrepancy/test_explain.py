@@ -58,6 +58,16 @@ def test_a_weight_that_unloads_a_wire_is_no_lens_with_a_ripple():
     np.testing.assert_allclose(piece.values, [14.0, 2.1, 8.0], rtol=0.1)
 
 
+def test_a_lens_that_bends_less_towards_its_edge_draws_no_second_name():
+    hidden = {
+        "lens_distortion/second": {"distortion": -1.2e-4, "centre": -2.0, "distortion_2": 4e-8}
+    }
+    recording = recorded(hidden, seed=5)
+    simulated = recording.values("pitch_angle_sim_deg")
+    found = explain(pose_problem(DiagnosisConfig(), recording, "pitch_angle_deg", simulated))
+    assert len(found.choices[0].fit.pieces) == 1
+
+
 def test_friction_alone_leaves_a_part_of_its_loop_to_slack():
     hidden = {
         "friction": {"width": 2.9, "reach": 2.3},
