@@ -6,15 +6,16 @@ from pipeline.physics.motion import Motion
 from pipeline.physics.term import Parameter, Surroundings, Term
 
 MOST_ROWS, MOST_S = 10.0, 0.5
-QUICKEST, QUICK = 0.02, 0.1
+QUICKEST, LONGEST = 0.02, 2.0
+MOVES = ((0.1, 1.5), (0.4, 3.0), (1.0, 5.0))
 UNEVEN = 0.05
 
 
 class FrameLag(Term):
     """seen(t) = theta(t - lag), straight between samples; form "frames" counts the lag in samples.
 
-    Form "held": each pose is reached in the first `moving` share of the time between two samples,
-    and held from there on, as where a robot moves, waits and takes its frame.
+    Form "held": each pose is reached within `moving` of the sample before, and held from there on,
+    as where a robot moves, waits and takes its frame: the wait may vary, the move does not.
     Source: pure delay of a buffered camera.
     """
 
@@ -34,7 +35,8 @@ class FrameLag(Term):
         lag = Parameter("lag", "s", 0.0, max(MOST_ROWS * dwell, MOST_S), dwell, dwell)
         if self.form == "time":
             return (lag,)
-        return lag, Parameter("moving", "", QUICKEST, 1.0, QUICK, 0.0)
+        quickest, longest = QUICKEST * dwell, LONGEST * dwell
+        return lag, Parameter("moving", "s", quickest, longest, 0.1 * dwell, 0.0)
 
     def respond(
         self, signal: np.ndarray, motion: Motion, values: np.ndarray, state: np.ndarray | None
@@ -44,7 +46,7 @@ class FrameLag(Term):
         at = np.arange(len(time), dtype=float) if self.form == "frames" else time
         asked = at[len(kept) :] - values[0]
         if self.form == "held":
-            reached = at[:-1] + values[1] * np.diff(at)
+            reached = at[:-1] + np.minimum(values[1], np.diff(at))
             knots = np.concatenate([at[:1], np.column_stack([reached, at[1:]]).ravel()])
             seen = np.interp(asked, knots, np.concatenate([poses[:1], np.repeat(poses[1:], 2)]))
         else:
@@ -57,13 +59,8 @@ class FrameLag(Term):
             return np.array([[0.3], [1.0], [2.0], [4.0]])
         dwell = max(around.dwell_s, 1e-9)
         if self.form == "held":
-            steps = (
-                np.arange(0.05, 1.0, 0.05),
-                np.arange(1.0, 2.0, 0.1),
-                np.arange(2.0, 5.0, 0.5),
-            )
-            lags = dwell * np.concatenate(steps)
-            return np.column_stack([lags, np.full(len(lags), QUICK)])
+            rows = [[lag, m] for m, most in MOVES for lag in np.arange(0.5 * m, most, 0.5 * m)]
+            return dwell * np.array(rows)
         shares = [0.3, 1.0, 2.0, 4.0]
         while 2.0 * shares[-1] * dwell < MOST_S:
             shares.append(2.0 * shares[-1])

@@ -119,6 +119,18 @@ def test_still_motion_excites_nothing_that_needs_motion():
     ]
 
 
+def test_a_pose_is_reached_in_the_same_time_however_long_the_wait():
+    motion = Motion(np.array([0.0, 10.0, 20.0]), np.array([0.0, 1.0, 3.0]), np.zeros(3, dtype=int))
+    late = term("frame_lag", "held")
+
+    def seen(lag_s: float) -> float:
+        return late.respond(motion.drive, motion, np.array([lag_s, 0.25]), None)[0][-1]
+
+    assert seen(0.5) == seen(1.75) == 20.0
+    assert seen(1.9) == pytest.approx(14.0)
+    assert seen(2.1) == 10.0
+
+
 def test_a_motor_with_a_top_speed_runs_at_it_and_then_comes_near_as_a_lag_does():
     t = np.arange(400) * 0.01
     drive = np.where(t < 1.0, 0.0, 50.0)
