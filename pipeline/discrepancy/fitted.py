@@ -1,4 +1,4 @@
-"""A simulation that is a fit of the recording: what it says of gain and bend is no knowledge."""
+"""A simulation whose gain is no knowledge: a fit of the recording, or friction that is rigid."""
 
 from dataclasses import replace
 
@@ -6,10 +6,12 @@ import numpy as np
 
 from pipeline.config import ToleranceConfig
 from pipeline.physics.kinematics import legendre
+from pipeline.physics.motion import Motion
 
 ORTHOGONAL = 0.02
 CUBIC = 2
 LOOSE_GAIN = 3.0
+LEAST_JUMP, RIGID = 1e-3, 0.9
 
 
 def tolerance_of_fit(
@@ -59,6 +61,32 @@ def _tolerance_of_fit(
     if fitted and bent > ORTHOGONAL * float(np.std(simulated)):
         loose = replace(loose, shape=max(declared.shape, float(np.hypot(left, bent))))
     return loose
+
+
+def tolerance_of_rigid(declared: ToleranceConfig, motion: Motion) -> ToleranceConfig:
+    """The declared tolerance, or a wide gain where a simulated force jumps with the direction.
+
+    Dry friction that turns round gradually takes the place of one that jumps; it is no addition.
+    The simulation jumps where the direction tells RIGID of what is left of it beside powers of
+    position, velocity and acceleration.
+    """
+    kinetics = motion.kinetics
+    assert kinetics is not None
+    simulated, v = kinetics.simulated, kinetics.velocity
+    x = motion.drive - motion.drive.mean()
+    law = np.column_stack([np.ones(len(x)), x, x**3, v, v * np.abs(v), kinetics.acceleration])
+    whole = float(np.var(simulated))
+    smooth = variance_left(simulated, law)
+    jumping = variance_left(simulated, np.column_stack([law, np.sign(v)]))
+    rigid = smooth > LEAST_JUMP * whole and jumping < (1.0 - RIGID) * smooth
+    return replace(declared, gain=max(declared.gain, LOOSE_GAIN)) if rigid else declared
+
+
+def variance_left(values: np.ndarray, columns: np.ndarray) -> float:
+    """Variance of values (n,) that least squares in columns (n, k) leave."""
+    sizes = np.maximum(np.linalg.norm(columns, axis=0), 1e-300)
+    weights = np.linalg.lstsq(columns / sizes, values, rcond=1e-9)[0]
+    return float(np.mean((values - columns / sizes @ weights) ** 2))
 
 
 def lessens_nothing(off: np.ndarray, columns: np.ndarray) -> bool:

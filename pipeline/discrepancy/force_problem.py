@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from pipeline.config import DiagnosisConfig
-from pipeline.discrepancy.fitted import tolerance_of_fit
+from pipeline.discrepancy.fitted import tolerance_of_fit, tolerance_of_rigid
 from pipeline.discrepancy.problem import (
     MOST_ROWS,
     Averaged,
@@ -49,6 +49,7 @@ def pose_force_problem(
     train = known & ~heldout
     refuse_unfit(config.heldout, measurement, train, known & heldout)
     tolerance = tolerance_of_fit(config.tolerance, came, simulated, motion.drive, heldout)
+    tolerance = tolerance_of_rigid(tolerance, motion)
     around = _surroundings(recording, measurement, position, motion, measured[train])
     return Problem(
         motion=motion,

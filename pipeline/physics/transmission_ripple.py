@@ -78,3 +78,9 @@ class TransmissionRipple(Term):
 
     def excited(self, motion: Motion, around: Surroundings) -> bool:
         return around.drive_span > 8.0 * around.step > 0.0
+
+    def sentence(self, values: np.ndarray, around: Surroundings) -> str:
+        """Of two waves the larger one is told."""
+        if "second" in self.form and values[3] > values[0]:
+            values = np.concatenate([[values[3], 0.5 * values[1]], values[2:]])
+        return super().sentence(values, around)

@@ -70,3 +70,14 @@ def test_only_what_was_fitted_is_loose() -> None:
     first = np.arange(N) >= 800
     early = np.polyval(np.polyfit(DRIVE[~first], PLAYED[~first], 1), DRIVE)
     assert tolerance_of_fit(declared, PLAYED, early, DRIVE, first).gain > 1.0
+
+
+def test_friction_that_turns_round_gradually_takes_the_place_of_rigid_friction() -> None:
+    x = 0.04 * np.sin(PHASE) * (0.6 + 0.4 * np.cos(PHASE / 3.0))
+    rigid = 250.0 * np.sign(np.gradient(x))
+    force = 280.0 * dragging(x, 0.005, 1.0, None)[0]
+    force += 2.0 * np.random.default_rng(3).standard_normal(N)
+    (found,) = diagnose(DiagnosisConfig(), recording(x, force, rigid, ("m", "N"))).diagnoses
+    assert [p.name for p in found.physics] == ["coulomb_friction"]
+    assert found.verdict == "explained"
+    assert found.after.heldout_rmse < 1.2 * 2.0

@@ -147,3 +147,11 @@ def test_a_motor_with_a_top_speed_runs_at_it_and_then_comes_near_as_a_lag_does()
     speeds = Surroundings(drive_span=50.0, dwell_s=0.01)
     assert term("response_lag", "slewing").excited(motion, speeds)
     assert not term("response_lag", "slewing").excited(triangle(), around(triangle()))
+
+
+def test_of_two_waves_the_larger_one_is_told():
+    around = Surroundings(drive_span=120.0, drive_unit="deg")
+    said = term("transmission_ripple", "second").sentence(
+        np.array([0.0, 23.0, 1.0, 0.4, 2.0]), around
+    )
+    assert "by 0.4 deg, again and again every 11.5 deg" in said
