@@ -6,12 +6,15 @@ from pipeline.discrepancy.accuracy import hidden
 from pipeline.discrepancy.calibration import FAR_OFF
 from pipeline.discrepancy.choose import Choice
 from pipeline.discrepancy.explain import Explanation
+from pipeline.discrepancy.fitted import LOOSE_GAIN
 from pipeline.discrepancy.inputs import input_shares, said_shares
 from pipeline.discrepancy.problem import Problem
 from pipeline.discrepancy.proof import root_mean
 from pipeline.discrepancy.result import Evidence
 from pipeline.discrepancy.verdict import intolerable
 from pipeline.physics.differentiation import Derivatives
+
+WORTH_SAYING = 0.25
 
 
 def notes(
@@ -26,22 +29,8 @@ def notes(
             f"is more than {FAR_OFF:.0f} tolerances off: check it, or declare "
             "`diagnosis.tolerance`."
         )
-    again = int(problem.stale.rows.sum())
-    if again:
-        why = "the sensor is slower than the log" if problem.stale.even else "it hangs now and then"
-        out.append(
-            f"{again} of {len(problem.measured)} samples say to the last digit what the one before "
-            f"said, while the motion went on: {why}, and they do not count."
-        )
-    hung = int(problem.stale.hung.sum())
-    if hung:
-        out.append(
-            f"{hung} of {len(problem.measured)} samples stand at one value while the motion went "
-            "on, and then leap to where it is: the sensor hung, and they do not count."
-        )
-    missing = int((~np.isfinite(problem.measured)).sum()) - again - hung
-    if missing:
-        out.append(f"{missing} of {len(problem.measured)} samples were not measured.")
+    out += free_gain_note(problem, best)
+    out += sample_notes(problem)
     if problem.counted:
         out.append(
             f"{problem.drive} was recorded in counts of {problem.counted:.3g} "
@@ -66,6 +55,39 @@ def notes(
     if explanation.prior.repeats == 0:
         out.append("No cycle repeats another: the noise was learnt from what is rough alone.")
     return tuple(out)
+
+
+def sample_notes(problem: Problem) -> list[str]:
+    """Samples that count for nothing, and why."""
+    out = []
+    again = int(problem.stale.rows.sum())
+    if again:
+        why = "the sensor is slower than the log" if problem.stale.even else "it hangs now and then"
+        out.append(
+            f"{again} of {len(problem.measured)} samples say to the last digit what the one before "
+            f"said, while the motion went on: {why}, and they do not count."
+        )
+    hung = int(problem.stale.hung.sum())
+    if hung:
+        out.append(
+            f"{hung} of {len(problem.measured)} samples stand at one value while the motion went "
+            "on, and then leap to where it is: the sensor hung, and they do not count."
+        )
+    missing = int((~np.isfinite(problem.measured)).sum()) - again - hung
+    if missing:
+        out.append(f"{missing} of {len(problem.measured)} samples were not measured.")
+    return out
+
+
+def free_gain_note(problem: Problem, best: Choice) -> list[str]:
+    """What became of a simulation's gain that was no knowledge, see `fitted.py`."""
+    gain = float(best.fit.nuisance[0])
+    if problem.tolerance.gain < LOOSE_GAIN or abs(gain - 1.0) < WORTH_SAYING:
+        return []
+    return [
+        f"The simulation's gain is {gain:.3g}: it was left free, as the simulation was fitted to "
+        "this measurement, or jumps with the direction as rigid friction does."
+    ]
 
 
 def walking_note(problem: Problem, best: Choice) -> list[str]:

@@ -56,6 +56,7 @@ def test_a_spring_that_a_fit_put_in_the_place_of_dry_friction_is_taken_back() ->
     ).diagnoses
     assert {p.name for p in found.physics} == {"coulomb_friction", "viscous_friction"}
     assert found.calibration.gain == pytest.approx(0.0, abs=0.05)
+    assert any("it was left free" in note for note in found.notes)
     assert found.after.heldout_rmse < 1.2 * 2.0
 
 
