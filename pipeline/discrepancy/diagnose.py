@@ -20,7 +20,7 @@ from pipeline.discrepancy.model import CorrectedModel, Hypothesis
 from pipeline.discrepancy.noise import NoiseModel
 from pipeline.discrepancy.notes import accuracy_note, notes, smooth_error
 from pipeline.discrepancy.outliers import isolated
-from pipeline.discrepancy.problem import Problem, thinned
+from pipeline.discrepancy.problem import Problem
 from pipeline.discrepancy.proof import disproved, root_mean
 from pipeline.discrepancy.refit import likeliest, refitted
 from pipeline.discrepancy.result import (
@@ -33,6 +33,7 @@ from pipeline.discrepancy.result import (
 )
 from pipeline.discrepancy.rivals import hypotheses_of, mechanism_of
 from pipeline.discrepancy.structure import Structure, structure_of
+from pipeline.discrepancy.thinning import thinned
 from pipeline.discrepancy.ties import Standing, standing, undisguised
 from pipeline.discrepancy.verdict import fewer, follows, sure_of_slow
 from pipeline.discrepancy.zero import zero_at_end

@@ -5,16 +5,15 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numba import njit
 from scipy.optimize import minimize
 
 from pipeline.discrepancy.counts import quantum_of
 from pipeline.discrepancy.force_noise import noise_of_force
 from pipeline.discrepancy.noise import NoiseModel, whitened
 from pipeline.discrepancy.problem import Problem
+from pipeline.discrepancy.repeats import repeated_cycles
 from pipeline.physics.motion import Motion
 
-SAME_COMMAND, REACH, ENOUGH_IN_COMMON = 1e-3, 6, 0.8
 APART = 60
 FREE_LEVEL = 1e3
 FINEST = 1e-6
@@ -89,76 +88,6 @@ def learn_noise(problem: Problem) -> NoisePrior:
         return NoisePrior(model, repeats, SURE, series, finest, stands, tuple(groups))
     rough = (rough_part(residual, problem),)
     return NoisePrior(fit_noise(rough, finest), 0, UNSURE, (), finest)
-
-
-def repeated_cycles(problem: Problem) -> list[np.ndarray]:
-    """Groups of training cycles with the same commands, each as row numbers (repeats, steps).
-
-    Rows that a cycle lacks are -1, and so are the rows up to a cycle's first reversal where the
-    cycle before was another motion or none: there the mechanism still remembers that.
-    """
-    cycle, motion = problem.cycle, problem.motion
-    signals = np.column_stack([motion.drive, *motion.others.values()])
-    signals /= np.maximum(np.ptp(signals, axis=0), 1e-12)
-    dwell = np.diff(motion.time_s, prepend=motion.time_s[0])
-    rows_of = {int(c): np.flatnonzero(cycle == c) for c in np.unique(cycle)}
-    groups: list[tuple[np.ndarray, list[np.ndarray]]] = []
-    for c, rows in rows_of.items():
-        if not problem.train[rows].any():
-            continue
-        for first, group in groups:
-            same = repeating(signals, dwell, first, rows)
-            if same is not None:
-                group.append(_without_memory(same, first, rows_of.get(c - 1), signals, dwell))
-                break
-        else:
-            before = rows_of.get(c - 1)
-            groups.append((rows, [_without_memory(rows, rows, before, signals, dwell)]))
-    return [np.array(group) for _, group in groups if len(group) > 1]
-
-
-def repeating(
-    signals: np.ndarray, dwell: np.ndarray, first: np.ndarray, rows: np.ndarray
-) -> np.ndarray | None:
-    """The row of a cycle (indices) for each row of the first one, -1 where it has none.
-
-    None where the two are not the same motion. signals: (n, k) commands over their ranges.
-    """
-    places = paired(signals[first], signals[rows])
-    found = places >= 0
-    if found.sum() < ENOUGH_IN_COMMON * max(len(first), len(rows)):
-        return None
-    out = np.where(found, rows[places], -1)
-    apart = np.abs(dwell[first] - dwell[out])[found]
-    return out if np.median(apart) < 0.3 * max(np.median(dwell), 1e-9) else None
-
-
-@njit(cache=True)
-def paired(first, second):  # type: ignore[no-untyped-def]
-    """For each row of the first signals the next row of the second that equals it, -1 if none is.
-
-    At most REACH rows of the second are passed over at a time.
-    """
-    out = np.full(first.shape[0], -1)
-    begin = 0
-    for i in range(first.shape[0]):
-        for k in range(begin, min(begin + REACH, second.shape[0])):
-            if np.max(np.abs(first[i] - second[k])) < SAME_COMMAND:
-                out[i], begin = k, k + 1
-                break
-    return out
-
-
-def _without_memory(
-    rows: np.ndarray, first: np.ndarray, before: np.ndarray | None,
-    signals: np.ndarray, dwell: np.ndarray,
-) -> np.ndarray:  # fmt: skip
-    """A cycle's rows, without those up to its first reversal after another motion."""
-    if before is not None and repeating(signals, dwell, first, before) is not None:
-        return rows
-    drive = signals[first, 0]
-    turn = min(int(np.argmax(np.abs(drive - drive[0]))), len(first) // 2)
-    return np.where(np.arange(len(rows)) < turn, -1, rows)
 
 
 def contrasts(residual: np.ndarray, rows: np.ndarray, finest: float) -> list[np.ndarray]:

@@ -15,13 +15,12 @@ from pipeline.physics.kinematics import Curve, IdentityCurve, sampled_curve, str
 from pipeline.physics.mechanism import Mechanism, Piece, Trace
 from pipeline.physics.motion import Motion
 from pipeline.physics.term import Surroundings
-from pipeline.recording import Recording, reversals_of
+from pipeline.recording import Recording
 
 HELD_OUT_EVERY = 3
 STATIC_ERROR = 2e-3
 FEWEST_SAMPLES = 40
 MOST_ROWS = 3000
-MOST_SAMPLES = 60_000
 MIXED = 0.05
 MOST_KEPT = 500
 
@@ -369,30 +368,3 @@ def surroundings_of(
         other_span={n: float(np.ptp(u)) for n, u in motion.others.items()},
         other_unit={n: recording.channel(n).unit for n in motion.others},
     )
-
-
-def thinned(problem: Problem, whole: bool = False) -> tuple[Problem, int]:
-    """At most about MOST_ROWS rows to fit on, every k-th and all reversals; and k.
-
-    At most about MOST_SAMPLES samples stand behind them for terms that go by time. Rows after the
-    last one to fit on tell a fit nothing and are left out, unless the whole is asked for.
-    """
-    if not whole:
-        problem = problem.rows(np.arange(np.flatnonzero(problem.train)[-1] + 1))
-    every = -(-len(problem.motion) // MOST_ROWS)
-    if every == 1:
-        return problem, 1
-    every = -(-int(np.isfinite(problem.measured).sum()) // MOST_ROWS)
-    coarse = -(-len(problem.motion) // MOST_SAMPLES)
-    fine = problem.rows(every_kth(problem, coarse)) if coarse > 1 else problem
-    keep = every_kth(fine, -(-int(np.isfinite(fine.measured).sum()) // MOST_ROWS))
-    return replace(fine.rows(keep), picked=Picked(fine.motion, keep)), every
-
-
-def every_kth(problem: Problem, k: int) -> np.ndarray:
-    """Every k-th row of a problem that was measured and all reversals, as indices."""
-    keep = np.zeros(len(problem.motion), dtype=bool)
-    keep[np.flatnonzero(np.isfinite(problem.measured))[::k]] = True
-    for signal in (problem.motion.drive, *problem.motion.others.values()):
-        keep[reversals_of(signal)] = True
-    return np.flatnonzero(keep)

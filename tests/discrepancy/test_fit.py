@@ -10,8 +10,9 @@ from pipeline.discrepancy.noise import NoiseModel
 from pipeline.discrepancy.noise_family import noise_family
 from pipeline.discrepancy.noise_learning import learn_noise
 from pipeline.discrepancy.outliers import alike, isolated, returning
-from pipeline.discrepancy.problem import pose_problem, static_misfit, thinned
+from pipeline.discrepancy.problem import pose_problem, static_misfit
 from pipeline.discrepancy.screen import effects_of
+from pipeline.discrepancy.thinning import thinned
 from pipeline.physics.catalogue import term
 from pipeline.physics.mechanism import Piece
 from tests.discrepancy.made import NOISE, recorded
@@ -140,3 +141,15 @@ def test_long_recordings_are_thinned_at_their_reversals_and_say_so():
     assert every == 5
     assert len(small.motion) < 6000
     assert small.motion.drive.max() == problem.motion.drive.max()
+
+
+def test_cycles_still_repeat_in_a_thinned_recording_with_lost_frames():
+    recording = recorded({}, cycles=30)
+    lost = np.random.default_rng(0).random(len(recording.samples)) < 0.03
+    recording.samples.loc[lost, "pitch_angle_deg"] = np.nan
+    problem = pose_problem(
+        DiagnosisConfig(), recording, "pitch_angle_deg", recording.values("pitch_angle_sim_deg")
+    )
+    small, every = thinned(problem)
+    assert every == 2
+    assert learn_noise(small).repeats == 20

@@ -1,0 +1,48 @@
+"""Fewer rows to fit on than a recording has."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from pipeline.discrepancy.problem import MOST_ROWS, Picked, Problem
+from pipeline.discrepancy.repeats import same_motions
+from pipeline.recording import reversals_of
+
+MOST_SAMPLES = 60_000
+
+
+def thinned(problem: Problem, whole: bool = False) -> tuple[Problem, int]:
+    """At most about MOST_ROWS rows to fit on, every k-th and all reversals; and k.
+
+    At most about MOST_SAMPLES samples stand behind them for terms that go by time. Rows after the
+    last one to fit on tell a fit nothing and are left out, unless the whole is asked for.
+    """
+    if not whole:
+        problem = problem.rows(np.arange(np.flatnonzero(problem.train)[-1] + 1))
+    every = -(-len(problem.motion) // MOST_ROWS)
+    if every == 1:
+        return problem, 1
+    every = -(-int(np.isfinite(problem.measured).sum()) // MOST_ROWS)
+    coarse = -(-len(problem.motion) // MOST_SAMPLES)
+    fine = problem.rows(every_kth(problem, coarse)) if coarse > 1 else problem
+    keep = every_kth(fine, -(-int(np.isfinite(fine.measured).sum()) // MOST_ROWS))
+    return replace(fine.rows(keep), picked=Picked(fine.motion, keep)), every
+
+
+def every_kth(problem: Problem, k: int) -> np.ndarray:
+    """Every k-th row of a problem that was measured and all reversals, as indices.
+
+    Of cycles that repeat each other the same steps, whatever frames were lost: else they would
+    repeat no more, and nothing would tell their noise.
+    """
+    measured = np.isfinite(problem.measured)
+    keep, alone = np.zeros(len(measured), dtype=bool), measured.copy()
+    for rows in same_motions(problem):
+        known = (rows >= 0) & measured[rows]
+        steps = np.flatnonzero(known.any(axis=0))[::k]
+        keep[rows[:, steps][known[:, steps]]] = True
+        alone[rows[rows >= 0]] = False
+    keep[np.flatnonzero(alone)[::k]] = True
+    for signal in (problem.motion.drive, *problem.motion.others.values()):
+        keep[reversals_of(signal)] = True
+    return np.flatnonzero(keep)
