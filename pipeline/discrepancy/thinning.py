@@ -8,6 +8,7 @@ from pipeline.discrepancy.problem import MOST_ROWS, Picked, Problem
 from pipeline.discrepancy.repeats import same_motions
 from pipeline.recording import reversals_of
 
+ALIKE = 4
 MOST_SAMPLES = 60_000
 
 
@@ -32,15 +33,19 @@ def thinned(problem: Problem, whole: bool = False) -> tuple[Problem, int]:
 def every_kth(problem: Problem, k: int) -> np.ndarray:
     """Every k-th row of a problem that was measured and all reversals, as indices.
 
-    Of cycles that repeat each other the same steps, whatever frames were lost: else they would
-    repeat no more, and nothing would tell their noise.
+    Of ALIKE cycles that repeat each other the same steps, whatever frames were lost: else they
+    would repeat no more, and nothing would tell their noise. The next ALIKE keep the steps after
+    those, so that what happens between two steps of the first is seen as well.
     """
     measured = np.isfinite(problem.measured)
     keep, alone = np.zeros(len(measured), dtype=bool), measured.copy()
     for rows in same_motions(problem):
         known = (rows >= 0) & measured[rows]
-        steps = np.flatnonzero(known.any(axis=0))[::k]
-        keep[rows[:, steps][known[:, steps]]] = True
+        steps = np.flatnonzero(known.any(axis=0))
+        turns = np.minimum(np.arange(len(rows)), max(len(rows) - ALIKE, 0)) // ALIKE % k
+        for row, seen, turn in zip(rows, known, turns, strict=True):
+            kept = steps[turn::k]
+            keep[row[kept][seen[kept]]] = True
         alone[rows[rows >= 0]] = False
     keep[np.flatnonzero(alone)[::k]] = True
     for signal in (problem.motion.drive, *problem.motion.others.values()):
