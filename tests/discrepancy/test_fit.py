@@ -154,4 +154,4 @@ def test_cycles_still_repeat_in_a_thinned_recording_with_lost_frames():
     assert every == 2
     assert learn_noise(small).repeats == 20
     steps = recording.samples["step"].to_numpy()[small.picked.rows] if small.picked else []
-    assert set(steps) == set(recording.samples["step"])
+    assert np.bincount(steps).min() >= 5
