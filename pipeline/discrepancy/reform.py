@@ -11,16 +11,22 @@ from pipeline.physics.term import Term
 
 
 def reformed(fit: Fit, place: int, term: Term) -> Fit:
-    """The fit with another form of a term, begun from the values that both have."""
+    """The fit with another form of a term, begun from the values that both have.
+
+    Where all have the same names, what they say may differ: it is begun from its own as well.
+    """
     old = fit.pieces[place]
     had = [p.name for p in parameters_of(fit.ground, old.term)]
     names = [p.name for p in parameters_of(fit.ground, term)]
-    starts = term.candidates(fit.ground.problem.motion, fit.ground.problem.around)
+    problem = fit.ground.problem
+    starts = term.candidates(problem.motion, problem.around)
     same_place = term.before_curve == old.term.before_curve
     if same_place and set(had) <= set(names):
-        starts[:, [names.index(name) for name in had]] = old.values
-        told = _within(fit.ground.box(term), term.retold(np.unique(starts, axis=0)))
-        starts = told if len(told) else starts
+        kept = starts.copy()
+        kept[:, [names.index(name) for name in had]] = old.values
+        told = _within(fit.ground.box(term), term.retold(np.unique(kept, axis=0)))
+        fresh = starts if len(had) == len(names) else starts[:0]
+        starts = np.vstack([told, fresh]) if len(told) else kept
     before, after = fit.pieces[:place], fit.pieces[place + 1 :]
     if any(p.moment for p in parameters_of(fit.ground, term)):
         starts = _sized(fit, place, term, starts)

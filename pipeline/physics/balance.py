@@ -30,8 +30,10 @@ if TYPE_CHECKING:
 
 BALANCE = "balance"
 Loose = tuple[float, float, float, float]
+Toe = tuple[float, float, float, float]
+Wires = tuple[float, float, float, float, float, float, float]
 Bends = tuple[Any, ...]
-NO_LOOSE: Loose = (0.0, 0.0, 0.0, 0.0)
+IDEAL: Wires = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
 
 
 class Load(NamedTuple):
@@ -47,6 +49,9 @@ class Load(NamedTuple):
     loose: half the way over which both wires hang slack [drive unit], the softness of its
         ends [drive unit], the joint's own stiffness [1], and the drive in the middle of that way;
         None where no wire is slack.
+    toe: the stretch by the joint's own stiffness that is in what is asked for [1], that stiffness
+        over the wire's [1], the share that a wire lacks of its own at first, and the stretch over
+        which that comes [angle]; None where no wire has a toe.
     smooth: linear [1], cubic [1/angle^2], gravity [angle] and gravity's zero [rad].
     pretension: load beyond which one of two wires hangs slack and the other gives twice [angle].
     drag: viscous load over speed [s]: the time constant of a joint without other loads.
@@ -60,6 +65,7 @@ class Load(NamedTuple):
     contact: np.ndarray = np.zeros((0, 3))
     give: np.ndarray = np.zeros((0, 4))
     loose: Loose | None = None
+    toe: Toe | None = None
     smooth: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
     pretension: float = np.inf
     drag: float = 0.0
@@ -91,13 +97,14 @@ def settle(
         cast(BalancedTerm, p.term).load(p.values, motion, memory.get(key))
         for p, key in zip(pieces, keys, strict=True)
     ]
-    *tables, wires, smooth, pretensions, drags, pushes, _ = zip(*loads, strict=True)
+    *tables, wires, toes, smooth, pretensions, drags, pushes, _ = zip(*loads, strict=True)
     slip, bristle, arm, contact, give = map(stacked, tables)
     linear, cubic, gravity, zero = map(sum, zip(*smooth, strict=True))
     drag = float(sum(drags))
-    slack, loose = next((way for way in wires if way is not None), None), NO_LOOSE
+    slack = next((way for way in wires if way is not None), None)
     if slack is not None:
-        asked, loose = asked + taken_up(slack, motion.drive, curve), at_joint(slack, curve)
+        asked = asked + taken_up(slack, motion.drive, curve)
+    pull = pulling(slack, next((toe for toe in toes if toe is not None), None), curve)
     pushed = np.full(len(asked), -gravity * np.sin(zero))
     for push in pushes:
         if push is not None:
@@ -110,7 +117,7 @@ def settle(
     if len(asked):
         bent = carried[3 + len(slip) : 3 + len(slip) + len(bristle)]
         bends = bending(
-            (cubic, gravity, zero, 1.0 / motion.radian), contact, give, loose,
+            (cubic, gravity, zero, 1.0 / motion.radian), contact, give, pull,
             min(NEVER, *pretensions), bristle, bent,
         )  # fmt: skip
         solve(
@@ -140,24 +147,32 @@ def solve(
 
 def bending(
     smooth: tuple[float, float, float, float], contact: np.ndarray, give: np.ndarray,
-    loose: Loose, pretension: float, bristle: np.ndarray,
+    pull: Wires, pretension: float, bristle: np.ndarray,
     bent: np.ndarray,
 ) -> Bends | None:  # fmt: skip
     """All that bends the balance, flat as the compiled loop takes it; None where nothing does.
 
     smooth: cubic, gravity, its zero, an angle's unit in radians. bent: forces of the bristles.
     """
-    straight = pretension == NEVER and not (smooth[0] or smooth[1] or loose[1])
+    straight = pretension == NEVER and not (smooth[0] or smooth[1] or pull[1])
     if straight and not (len(contact) or len(give) or len(bristle)):
         return None
-    return *smooth, contact, give, loose, pretension, bristle, bent
+    return *smooth, contact, give, pull, pretension, bristle, bent
 
 
-def at_joint(loose: Loose, curve: Curve) -> Loose:
-    """Half the way, one over the softness, own stiffness and middle, in the joint's angles."""
+def pulling(loose: Loose | None, toe: Toe | None, curve: Curve) -> Wires:
+    """How wires pull that are slack or soft at first, in the joint's angles.
+
+    Half the way that they are slack, one over its softness, the joint's own stretch and stiffness,
+    the middle of the way, the share that the toe lacks, and its length. Wires that never hang slack
+    pull both ways.
+    """
+    if loose is None:
+        return IDEAL if toe is None else (0.0, 1.0, *toe[:2], 0.0, *toe[2:])
     half, softness, own, centre = loose
     slope, middle = abs(curve.slope), float(curve(np.array([centre]))[0])
-    return half * slope, 1.0 / (softness * slope), own, middle
+    stretch, firm, lacks, length = (own, 2.0 * own, *IDEAL[5:]) if toe is None else toe
+    return half * slope, 1.0 / (softness * slope), stretch, firm, middle, lacks, length
 
 
 def taken_up(loose: Loose, drive: np.ndarray, curve: Curve) -> np.ndarray:

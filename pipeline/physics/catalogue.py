@@ -109,7 +109,7 @@ def richer(term: Term) -> tuple[Term, ...]:
         ),
         ("friction", "capstan"): (CapstanFriction("capstan bristle"),),
         ("slack", "home"): (Slack(),),
-        ("compliance", "wire"): (Compliance("smooth"),),
+        ("compliance", "wire"): (Compliance("toe"),),
         ("creep", "one"): (Creep("two"),),
         ("tension_loss", "linear"): (TensionLoss("late"), TensionLoss("settling")),
         ("gravity", ""): (Gravity("unloading"),),

@@ -12,10 +12,11 @@ class Compliance(Term):
 
     stretch * theta, and besides, in form "wire", softness * reach * (1 - exp(-|theta| / reach)) of
     a free joint: a wire that is soft while it is loose and hardens with its force; `stiffness` is
-    the joint's over the wire's. Form "smooth": the same softness at first, but falling only with
-    the force's square, as of Duffing's spring (s + h s^3 = force): two such exponentials, of which
-    the second takes off the toe. Form "joint": hardening * theta^3. Source: two springs in series;
-    toe region of wire ropes, Feyrer, Wire Ropes (2015), section 2.3; Duffing.
+    the joint's over the wire's. In form "toe" the wire hardens with its own stretch e instead, as
+    ropes do: it pulls by e - toe * length * (1 - exp(-e / length)). Its parameters mean the same:
+    softness at first, and the reach within which half of that is gone. Form "joint": hardening *
+    theta^3. Source: two springs in series; toe region of wire ropes, Feyrer, Wire Ropes (2015),
+    section 2.3; of tendons, Fung, Biomechanics (1993), section 7.3; Duffing.
     """
 
     name = "compliance"
@@ -39,7 +40,7 @@ class Compliance(Term):
             Parameter("softness", "", 0.0, 0.8, 0.2, 0.2),
             Parameter("reach", unit, 0.01 * half, 2.0 * half, 0.2 * half, 0.2 * half),
             stretch,
-            Parameter("stiffness", "", 0.01, 2.0, 0.2, 0.05, weak=True),
+            Parameter("stiffness", "", 0.002, 2.0, 0.2, 0.05, weak=True),
         )
 
     def void(self, values: np.ndarray) -> bool:
@@ -50,15 +51,23 @@ class Compliance(Term):
         if self.form == "joint":
             return Load(smooth=(float(values[1]), float(values[0]), 0.0, 0.0))
         softness, reach, stretch, stiffness = values
+        if self.form == "toe":
+            toe = softness / (softness + stiffness)
+            half_gone = np.log(2.0 - toe) - toe * (1.0 - toe) / (2.0 - toe)
+            length = stiffness * reach * np.log(2.0) / half_gone
+            own = stiffness - stretch
+            return Load(toe=(float(own), float(stiffness), float(toe), float(length)))
         most, sharpness = softness * reach, 1.0 / (stiffness * reach)
-        give = [[most, sharpness, stiffness, 0.0]]
-        if self.form == "smooth":
-            toe = [-0.5 * most, 2.0 * sharpness, stiffness, 0.0]
-            give = [[2.0 * most, sharpness, stiffness, 0.0], toe]
-        return Load(smooth=(float(stretch), 0.0, 0.0, 0.0), give=np.array(give))
+        return Load(
+            smooth=(float(stretch), 0.0, 0.0, 0.0),
+            give=np.array([[most, sharpness, stiffness, 0.0]]),
+        )
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
         half = 0.5 * around.angle_span
         if self.form == "joint":
             return np.array([[h / half**2, s] for h in (0.03, 0.3) for s in (0.0, 0.2)])
+        if self.form == "toe":
+            starts = ((0.4, 0.1, 0.2), (0.2, 0.2, 0.2), (0.2, 0.4, 0.2), (0.2, 0.2, 0.1))
+            return np.array([[s, r * half, 0.0, k] for s, r, k in starts])
         return np.array([[0.1, r * half, 0.0, 0.1] for r in (0.05, 0.12, 0.25, 0.5)])

@@ -45,8 +45,11 @@ def _stops(at, unit, gravity, zero, contact):  # type: ignore[no-untyped-def]
 def _loose(stretch, half, sharpness):  # type: ignore[no-untyped-def]
     """What two loose wires pull by that are stretched so far, and the slope of that.
 
-    Each pulls by log(1 + exp((+-stretch - half) * sharpness)) / sharpness.
+    Each pulls by log(1 + exp((+-stretch - half) * sharpness)) / sharpness: where half is 0, both
+    together by their stretch.
     """
+    if half == 0.0:
+        return stretch, 1.0
     up, steep = ramped((stretch - half) * sharpness)
     down, steeper = ramped((-stretch - half) * sharpness)
     return (up - down) / sharpness, max(steep + steeper, LEAST_PULL)
@@ -91,12 +94,15 @@ def _missing(at, start, asked, stiff, pull, bends):  # type: ignore[no-untyped-d
         steep += steeper
     more, softer, wires = _wires(at, load, steep, give, pretension)
     rest, slope, taut = at + load + more - asked, 1.0 + steep + softer, 1.0
-    half, sharpness, own, centre = loose
+    half, sharpness, own, firm, centre, toe, reach = loose
     if sharpness > 0.0:
-        held = own * (at - centre)
-        pulling, taut = _loose(held + load - rest, half, sharpness)
-        rest = 2.0 * held + load - pulling
-        slope = 2.0 * own + steep + taut * (slope - steep - own)
+        pulling, taut = _loose(own * (at - centre) + load - rest, half, sharpness)
+        if toe > 0.0 and pulling != 0.0:
+            left = toe * decayed(abs(pulling) / reach)
+            taut = max(taut * (1.0 - left), LEAST_PULL)
+            pulling -= (toe - left) * reach if pulling > 0.0 else (left - toe) * reach
+        rest = firm * (at - centre) + load - pulling
+        slope = firm + steep + taut * (slope - steep - own)
     return rest, max(slope, LEAST_SLOPE), taut, wires
 
 
@@ -285,9 +291,9 @@ def _taut(at, asked, bends):  # type: ignore[no-untyped-def]
     """Which of two loose wires pulls a joint at an angle: 1, -1, or 0 for neither of them."""
     side = 0.0
     if bends is not None:
-        half, sharpness, own, centre = bends[6]
+        half, _, own, _, centre, _, _ = bends[6]
         stretch = own * (at - centre) + asked - at
-        if sharpness > 0.0 and abs(stretch) > half:
+        if half > 0.0 and abs(stretch) > half:
             side = 1.0 if stretch > 0.0 else -1.0
     return side
 

@@ -50,7 +50,9 @@ def _sharpest(softest, bends):  # type: ignore[no-untyped-def]
         bend += give[j, 1] * (give[j, 2] + stiff)
     if pretension < NEVER:
         wires += 1.0
-    if 1.0 + min(least, 0.0) * wires < FIRM or (loose[1] > 0.0 and 2.0 * loose[2] + least < 0.0):
+    if loose[5] > 0.0:
+        bend += loose[5] / ((1.0 - loose[5]) * loose[6])
+    if 1.0 + min(least, 0.0) * wires < FIRM or (loose[1] > 0.0 and loose[3] + least < 0.0):
         return -1.0
     return bend
 
@@ -137,24 +139,36 @@ def _given(asked, at, bends, load, steep, rest, slope):  # type: ignore[no-untyp
             over = abs(load[t]) - pretension
             rest[t] += max(over, 0.0) if load[t] > 0.0 else -max(over, 0.0)
             slope[t] += steep[t] if over > 0.0 else 0.0
-    half, sharpness, own, centre = loose
-    if sharpness > 0.0 and half * sharpness > FAR:
+    half, sharpness, own, firm, centre, toe, reach = loose
+    if sharpness > 0.0 and toe > 0.0:
         for t in range(at.size):
-            held = own * (at[t] - centre)
-            stretch = held + load[t] - rest[t]
+            turned = at[t] - centre
+            stretch = own * turned + load[t] - rest[t]
+            up, share = ramped_abreast((stretch - half) * sharpness)
+            down, other = ramped_abreast((-stretch - half) * sharpness)
+            pull = (up - down) / sharpness
+            left = toe * decayed_abreast(abs(pull) / reach)
+            taut = max((share + other) * (1.0 - left), LEAST_PULL)
+            pull -= np.copysign((toe - left) * reach, pull)
+            rest[t] = firm * turned + load[t] - pull
+            slope[t] = firm + steep[t] + taut * (slope[t] - steep[t] - own)
+    elif sharpness > 0.0 and half * sharpness > FAR:
+        for t in range(at.size):
+            turned = at[t] - centre
+            stretch = own * turned + load[t] - rest[t]
             pull, share = ramped_abreast((abs(stretch) - half) * sharpness)
             taut = max(share, LEAST_PULL)
-            rest[t] = 2.0 * held + load[t] - np.copysign(pull / sharpness, stretch)
-            slope[t] = 2.0 * own + steep[t] + taut * (slope[t] - steep[t] - own)
+            rest[t] = firm * turned + load[t] - np.copysign(pull / sharpness, stretch)
+            slope[t] = firm + steep[t] + taut * (slope[t] - steep[t] - own)
     elif sharpness > 0.0:
         for t in range(at.size):
-            held = own * (at[t] - centre)
-            stretch = held + load[t] - rest[t]
+            turned = at[t] - centre
+            stretch = own * turned + load[t] - rest[t]
             up, share = ramped_abreast((stretch - half) * sharpness)
             down, other = ramped_abreast((-stretch - half) * sharpness)
             taut = max(share + other, LEAST_PULL)
-            rest[t] = 2.0 * held + load[t] - (up - down) / sharpness
-            slope[t] = 2.0 * own + steep[t] + taut * (slope[t] - steep[t] - own)
+            rest[t] = firm * turned + load[t] - (up - down) / sharpness
+            slope[t] = firm + steep[t] + taut * (slope[t] - steep[t] - own)
 
 
 @compiled

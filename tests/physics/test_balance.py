@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 from pipeline.physics.backlash import Backlash
 from pipeline.physics.compliance import Compliance
@@ -257,13 +258,30 @@ def test_another_axis_pulls_the_wires_of_a_curved_joint():
     np.testing.assert_allclose(pulled, expected, atol=1e-5)
 
 
-def test_a_smooth_wire_gives_way_like_a_toeing_one_at_first_but_evenly_and_hardens_later():
-    motion = line(-40.0, 40.0, 81)
-    values = np.array([0.4, 5.0, 0.0, 0.1])
-    toe, smooth = (answer(motion, Piece(Compliance(f), values)) for f in ("wire", "smooth"))
-    np.testing.assert_allclose(np.diff(smooth)[39:41], 1.0 / 1.4, rtol=0.01)
-    assert np.diff(toe)[40] > np.diff(smooth)[40] + 0.01
-    np.testing.assert_allclose(motion.drive[[0, -1]] - smooth[[0, -1]], [-3.0, 3.0], atol=0.01)
+def test_a_wire_with_a_toe_is_soft_at_first_and_hardens_with_its_stretch():
+    softness, reach, stretch, stiffness = values = np.array([0.4, 12.0, 0.05, 0.1])
+    motion = line(-40.0, 40.0, 8001)
+    theta = answer(motion, Piece(Compliance("toe"), values))
+    slope = np.gradient(motion.drive, theta) - 1.0 - stretch
+    assert slope[4000] == pytest.approx(softness, rel=1e-3)
+    assert np.interp(reach * np.log(2.0), theta, slope) == pytest.approx(softness / 2, rel=1e-3)
+    elongation = motion.drive - theta + (stiffness - stretch) * theta
+    toe = softness / (softness + stiffness)
+
+    def pull(length: float) -> np.ndarray:
+        gone = -np.expm1(-np.abs(elongation) / length)
+        return elongation - toe * length * np.sign(elongation) * gone
+
+    length = brentq(lambda x: pull(x)[-1] - stiffness * theta[-1], 0.01, 100.0)
+    np.testing.assert_allclose(pull(length), stiffness * theta, atol=1e-4)
+
+
+def test_a_wire_that_hung_slack_has_its_toe_beyond():
+    motion, slack = line(-40.0, 40.0, 81), Piece(Slack(), np.array([20.0, 0.0, 0.05, 0.1]))
+    toe = Piece(Compliance("toe"), np.array([0.4, 6.0, 0.0, 0.1]))
+    both, alone = answer(motion, slack, toe), answer(motion, toe)
+    np.testing.assert_allclose(both[35:46], 0.0, atol=0.02)
+    np.testing.assert_allclose(both[51:], alone[41:71], atol=0.02)
 
 
 def test_a_ripple_counts_from_where_the_drive_is_zero_or_from_its_mean():

@@ -21,7 +21,7 @@ from pipeline.physics.term import Surroundings
 AROUND = Surroundings(drive_low=-60.0, drive_span=120.0, angle_low=-60.0, angle_span=120.0)
 TERMS = (
     EndStop("upper"), EndStop("lower"), Contact("upper"), Contact("lower unloading"), Slack(),
-    Gravity(), Gravity("unloading"), Compliance(), Compliance("smooth"), Compliance("joint"),
+    Gravity(), Gravity("unloading"), Compliance(), Compliance("toe"), Compliance("joint"),
     Coupling("yaw"),
 )  # fmt: skip
 
@@ -72,7 +72,7 @@ def test_all_samples_abreast_are_as_one_by_one(monkeypatch, apart):
         [Piece(Gravity("unloading"), np.array([14.0, 2.1, 5.0]))],
         [
             Piece(Contact("lower unloading"), np.array([2.0, -10.0, 0.12, 3.0])),
-            Piece(Compliance("smooth"), np.array([0.6, 2.0, 0.1, 0.05])),
+            Piece(Compliance("toe"), np.array([0.6, 2.0, 0.1, 0.05])),
             Piece(Coupling("yaw"), np.array([3.0, 0.0])),
         ],
     ],
@@ -116,7 +116,7 @@ def test_what_may_have_two_answers_or_remembers_goes_one_by_one(monkeypatch):
 
 def test_newtons_method_does_not_go_to_and_fro_for_ever(monkeypatch):
     """An S-shaped balance, on which it hops between two angles on both sides of the answer."""
-    wire = Piece(Compliance("smooth"), np.array([0.5103, 109.19, 0.0111, 0.01076]))
+    wire = Piece(Compliance("toe"), np.array([0.5103, 109.19, 0.0111, 0.01076]))
     touch = Piece(Contact("upper unloading"), np.array([0.5479, 55.71, 1.598, 20.65]))
     drive = np.array([0.0, 100.0, -60.0, 95.0, 0.0, 85.0])
     motion = Motion(drive, np.arange(6.0), np.zeros(6, dtype=np.int64))
