@@ -17,12 +17,15 @@ from pipeline.discrepancy.reform import reformed
 from pipeline.discrepancy.screen import screen, started
 from pipeline.physics.capstan_friction import CapstanFriction
 from pipeline.physics.catalogue import BEND
+from pipeline.physics.compliance import Compliance
 from pipeline.physics.friction import Friction
 from pipeline.physics.mechanism import Piece
 from pipeline.physics.response_lag import ResponseLag
 
 SHEATH = CapstanFriction("pretensioned")
+TOE = Compliance("toe")
 HOPED = 40.0
+LEAST_LEFT, FIRM = 0.05, 50.0
 LEFT = ((0.65, 0.3), (0.5, 0.7))
 
 
@@ -75,6 +78,28 @@ def lagging(search: Search, choice: Choice) -> Choice:
             rest = [p for p in choice.fit.pieces if p is not creep and p.term.group != "lag"]
             lag = Piece(ResponseLag(), creep.values[1:2])
             fit = improve(evaluate(choice.fit.ground, [*rest, lag]))
+            return min(choice, search.weighed(fit, choice.place), key=lambda c: c.score)
+    return choice
+
+
+def tautened(search: Search, choice: Choice) -> Choice:
+    """The choice with a toe in place of slack in whose middle the wires still pull, if better.
+
+    They are no more than soft there; no swap of one term leads to the toe that is as soft.
+    """
+    bent = any(p.term.group == BEND for p in choice.fit.pieces)
+    for slack in (p for p in choice.fit.pieces if p.term.name == "slack" and not bent):
+        width, rounding, own = slack.values[0], slack.values[-2], slack.values[-1]
+        left = 2.0 / (1.0 + np.exp(min(0.5 * width / max(rounding, 1e-12), FIRM)))
+        if left > LEAST_LEFT:
+            slope = abs(choice.fit.ground.problem.curve.slope)
+            pull = slope * rounding * (np.log(2.0) - np.log1p(np.exp(-width / rounding)))
+            softness = 2.0 * own * (1.0 - left) / left
+            toe = np.array([softness, pull / (2.0 * own * np.log(2.0)), own, 2.0 * own])
+            rest = [p for p in choice.fit.pieces if p is not slack]
+            box = choice.fit.ground.box(TOE)
+            wire = Piece(TOE, np.clip(toe, box.low, box.high))
+            fit = improve(evaluate(choice.fit.ground, [*rest, wire]), 2 * ITERATIONS)
             return min(choice, search.weighed(fit, choice.place), key=lambda c: c.score)
     return choice
 

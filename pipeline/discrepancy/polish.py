@@ -2,7 +2,7 @@
 
 from pipeline.discrepancy.choose import Choice, Key, Search, best_of_each, extended, grown
 from pipeline.discrepancy.fit import evaluate, improve
-from pipeline.discrepancy.moves import lagging, loosened, merged, sheathed, unpromised
+from pipeline.discrepancy.moves import lagging, loosened, merged, sheathed, tautened, unpromised
 
 WORTH = 150.0
 
@@ -31,7 +31,8 @@ def _polished(search: Search, choices: list[Choice]) -> list[Choice]:
     tried: set[Key] = set()
     for _ in range(3):
         best = min(found.values(), key=lambda c: c.score)
-        richest = loosened(search, lagging(search, merged(search, grown(search, best))))
+        richest = lagging(search, merged(search, grown(search, best)))
+        richest = loosened(search, tautened(search, richest))
         if richest is not best:
             found[richest.fit.key] = best = richest
         for piece in best.fit.pieces:

@@ -8,7 +8,7 @@ from pipeline.config import DiagnosisConfig
 from pipeline.discrepancy.contested import contested, levelled, rival_names
 from pipeline.discrepancy.explain import explain, refuted, searched_wide
 from pipeline.discrepancy.fit import evaluate, improve
-from pipeline.discrepancy.moves import loosened
+from pipeline.discrepancy.moves import loosened, tautened
 from pipeline.discrepancy.problem import pose_problem
 from pipeline.physics.catalogue import term
 from pipeline.physics.mechanism import Piece
@@ -83,6 +83,25 @@ def test_friction_alone_leaves_a_part_of_its_loop_to_slack():
     assert set(both.fit.names) == {"friction", "slack"}
     assert both.score < alone.score - 20.0
     assert loosened(search, both) is both
+
+
+def test_slack_in_whose_middle_the_wires_still_pull_is_a_toe():
+    toe = {"softness": 0.35, "reach": 6.0, "stretch": 0.1, "stiffness": 0.2}
+    recording = recorded({"compliance/toe": toe, "friction": {"width": 9.0, "reach": 4.0}}, seed=6)
+    simulated = recording.values("pitch_angle_sim_deg")
+    found = explain(pose_problem(DiagnosisConfig(), recording, "pitch_angle_deg", simulated))
+    search, ground = found.search, found.choices[0].fit.ground
+    held = Piece(term("friction"), np.array([9.0, 4.0, 0.7]))
+
+    def beside(width: float, rounding: float):
+        slack = Piece(term("slack", "home"), np.array([width, rounding, 0.1]))
+        return search.weighed(improve(evaluate(ground, (held, slack))), (0, 0, 0), 12)
+
+    soft = beside(4.0, 1.5)
+    taut = tautened(search, soft)
+    assert set(taut.fit.names) == {"friction", "compliance"}
+    assert taut.score < soft.score - 20.0
+    assert tautened(search, taut) is taut
 
 
 def test_a_near_rival_is_weighed_in_the_form_that_suits_it():
