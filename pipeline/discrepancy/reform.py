@@ -11,10 +11,7 @@ from pipeline.physics.term import Term
 
 
 def reformed(fit: Fit, place: int, term: Term) -> Fit:
-    """The fit with another form of a term, begun from the values that both have.
-
-    Where all have the same names, what they say may differ: it is begun from its own as well.
-    """
+    """The fit with another form of a term, begun from the values that both have."""
     old = fit.pieces[place]
     had = [p.name for p in parameters_of(fit.ground, old.term)]
     names = [p.name for p in parameters_of(fit.ground, term)]
@@ -25,7 +22,7 @@ def reformed(fit: Fit, place: int, term: Term) -> Fit:
         kept = starts.copy()
         kept[:, [names.index(name) for name in had]] = old.values
         told = _within(fit.ground.box(term), term.retold(np.unique(kept, axis=0)))
-        fresh = starts if len(had) == len(names) else starts[:0]
+        fresh = starts if term.own_law else starts[:0]
         starts = np.vstack([told, fresh]) if len(told) else kept
     before, after = fit.pieces[:place], fit.pieces[place + 1 :]
     if any(p.moment for p in parameters_of(fit.ground, term)):

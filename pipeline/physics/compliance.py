@@ -29,6 +29,7 @@ class Compliance(Term):
 
     def __init__(self, form: str = "wire") -> None:
         self.form = form
+        self.own_law = form == "toe"
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
         half, unit = 0.5 * around.angle_span, around.angle_unit

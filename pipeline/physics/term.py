@@ -84,12 +84,15 @@ class Term:
     nominal curve. adds: whether what it adds does not depend on the signal. timed: whether its
     answer needs every sample, as what it does within a dwell depends on how long that is. says: one
     line that a mechanic understands, with `{parameter}` fields.
+    own_law: whether a form bends otherwise than the plainer one whose parameters it has: a fit of
+    that is one more place to begin from, not the only one.
     """
 
     name: ClassVar[str]
     site: ClassVar[str]
     before_curve: bool = False
     in_balance: bool = False
+    own_law: bool = False
     adds: bool = False
     timed: ClassVar[bool] = False
     group: ClassVar[str] = ""
