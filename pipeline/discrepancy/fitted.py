@@ -28,7 +28,7 @@ def tolerance_of_fit(
     play as wide as half the range halves the gain. So none of them is held against the terms.
     Where the simulation is straight over the drive, its bend stays as declared; a shape beyond
     that declared means that its own is no knowledge either. heldout: (n,) rows that the fit may
-    have left out.
+    have left out, or have seen: this is the one question that they are asked.
     """
     known = np.isfinite(measured) & np.isfinite(simulated)
     for rows in (known, known & ~heldout):
