@@ -39,9 +39,10 @@ class LensDistortion(Term):
     ) -> tuple[np.ndarray, np.ndarray]:
         k, centre = values[:2]
         off = signal - centre
-        seen = signal + k * (off**3 + centre**3)
+        cube = off * off * off
+        seen = signal + k * (cube + centre**3)
         if len(values) > 2:
-            seen += values[2] * (off**5 + centre**5)
+            seen += values[2] * (cube * off * off + centre**5)
         return seen, NO_STATE
 
     def scaled(self, values: np.ndarray, factor: float) -> np.ndarray:
