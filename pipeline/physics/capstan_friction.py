@@ -1,5 +1,7 @@
 """Wire friction in a sheath: what comes out of it is less than what is pulled, by a share."""
 
+from typing import ClassVar
+
 import numpy as np
 
 from pipeline.physics.force_units import FORCES, LENGTHS
@@ -26,6 +28,7 @@ class CapstanFriction(Term):
 
     name = "friction"
     site = "transmission"
+    grows: ClassVar = {"capstan": ("capstan bristle",)}
     says = (
         "The sheath holds the wire back by a share of its pull: the two ways differ by a factor "
         "of exp(2 x {wrap})."

@@ -9,7 +9,7 @@ from pipeline.physics.capstan_friction import CapstanFriction
 from pipeline.physics.compliance import Compliance
 from pipeline.physics.contact import Contact
 from pipeline.physics.coulomb_friction import CoulombFriction
-from pipeline.physics.coupling import WITH_PLAY, Coupling
+from pipeline.physics.coupling import Coupling
 from pipeline.physics.creep import Creep
 from pipeline.physics.drift import Drift
 from pipeline.physics.end_stop import EndStop
@@ -87,67 +87,13 @@ def force_terms() -> tuple[Term, ...]:
 
 
 def richer(term: Term) -> tuple[Term, ...]:
-    """Forms of a term that hold more of the real thing; their first parameters are the same.
+    """Forms of a term that hold more of the real thing, as it says itself.
 
     What bends one static curve is one family in any data: each of it may be the one that bends most
     freely, lest something else is named for what its own form is too narrow to hold.
     """
-    others: dict[tuple[str, str], tuple[Term, ...]] = {
-        ("lost_steps", "once"): (LostSteps("twice"),),
-        ("transmission_ripple", "first"): (
-            TransmissionRipple("first afloat"),
-            TransmissionRipple("second"),
-            TransmissionRipple("second afloat"),
-        ),
-        ("transmission_ripple", "first afloat"): (TransmissionRipple("second afloat"),),
-        ("transmission_ripple", "second"): (TransmissionRipple("second afloat"),),
-        ("friction", "symmetric"): (
-            Friction("asymmetric"),
-            Friction("bristle"),
-            Friction("bristle asymmetric"),
-            Friction("driven"),
-        ),
-        ("friction", "capstan"): (CapstanFriction("capstan bristle"),),
-        ("slack", "home"): (Slack(),),
-        ("compliance", "wire"): (Compliance("toe"),),
-        ("creep", "one"): (Creep("two"),),
-        ("tension_loss", "linear"): (TensionLoss("late"), TensionLoss("settling")),
-        ("gravity", ""): (Gravity("unloading"),),
-        ("contact", "upper"): (Contact("upper unloading"),),
-        ("contact", "lower"): (Contact("lower unloading"),),
-        ("response_lag", "first"): (
-            ResponseLag("second"),
-            ResponseLag("motor"),
-            ResponseLag("slewing"),
-        ),
-        ("coulomb_friction", ""): (
-            CoulombFriction("asymmetric"),
-            CoulombFriction("spread"),
-            CoulombFriction("bristle"),
-            CoulombFriction("smoothed"),
-        ),
-        ("coulomb_friction", "smoothed"): (CoulombFriction("smoothed asymmetric"),),
-        ("coulomb_friction", "asymmetric"): (
-            CoulombFriction("asymmetric spread"),
-            CoulombFriction("asymmetric bristle"),
-        ),
-        ("coulomb_friction", "bristle"): (
-            CoulombFriction("asymmetric bristle"),
-            CoulombFriction("spread"),
-        ),
-        ("coulomb_friction", "asymmetric spread"): (CoulombFriction("asymmetric bristle"),),
-        ("coulomb_friction", "spread"): (
-            CoulombFriction("asymmetric spread"),
-            CoulombFriction("bristle"),
-        ),
-        ("viscous_friction", ""): (ViscousFriction("asymmetric"),),
-        ("stribeck_friction", ""): (StribeckFriction("asymmetric"), StribeckFriction("smoothed")),
-        ("stiffness", ""): (Stiffness("asymmetric"), Stiffness("hardening")),
-    }
-    if isinstance(term, Coupling) and not term.plays:
-        return (Coupling(f"{term.form}{WITH_PLAY}"),)
     bend = () if term.group != BEND or term.form == BENDING.form else (BENDING,)
-    return (*others.get((term.name, term.form), ()), *bend)
+    return (*term.richer(), *bend)
 
 
 def term(name: str, form: str = "", other_commands: Iterable[str] = ()) -> Term:

@@ -1,5 +1,7 @@
 """Compliance: the wire stretches, which lowers the gain and hardens."""
 
+from typing import ClassVar
+
 import numpy as np
 
 from pipeline.physics.balance import Load
@@ -23,6 +25,7 @@ class Compliance(Term):
     site = "transmission"
     in_balance = True
     group = "bend"
+    grows: ClassVar = {"wire": ("toe",)}
     says = (
         "The wire stretches under the joint's stiffness, and hardens: it moves less than commanded."
     )

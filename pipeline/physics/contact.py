@@ -1,5 +1,7 @@
 """Contact: stiffer beyond an angle on one side."""
 
+from typing import ClassVar
+
 import numpy as np
 
 from pipeline.physics.balance import Load
@@ -20,6 +22,7 @@ class Contact(Term):
     name = "contact"
     site = "body"
     in_balance = True
+    grows: ClassVar = {"upper": ("upper unloading",), "lower": ("lower unloading",)}
     says = "Beyond {angle} on one side it touches something and gets stiffer."
 
     def __init__(self, form: str = "upper") -> None:

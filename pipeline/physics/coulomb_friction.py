@@ -1,5 +1,7 @@
 """Coulomb friction: a force against the motion, whatever its speed."""
 
+from typing import ClassVar
+
 import numpy as np
 
 from pipeline.physics.force_term import ASYMMETRY, ForceTerm, both_ways, size
@@ -43,6 +45,14 @@ class CoulombFriction(ForceTerm):
     """
 
     name = "coulomb_friction"
+    grows: ClassVar = {
+        "": ("asymmetric", "spread", "bristle", "smoothed"),
+        "smoothed": ("smoothed asymmetric",),
+        "asymmetric": ("asymmetric spread", "asymmetric bristle"),
+        "bristle": ("asymmetric bristle", "spread"),
+        "asymmetric spread": ("asymmetric bristle",),
+        "spread": ("asymmetric spread", "bristle"),
+    }
     says = "Dry friction holds back by {force} at any speed, and turns round over {reach}."
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:

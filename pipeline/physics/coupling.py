@@ -37,6 +37,9 @@ class Coupling(Term):
         self.channel = form.removesuffix(WITH_PLAY)
         self.plays = form.endswith(WITH_PLAY)
 
+    def richer(self) -> tuple[Term, ...]:
+        return () if self.plays else (Coupling(f"{self.form}{WITH_PLAY}"),)
+
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
         span = max(around.other_span.get(self.channel, 2.0), 1e-9)
         other = 0.5 * span

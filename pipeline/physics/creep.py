@@ -1,5 +1,7 @@
 """Creep: part of the motion arrives late."""
 
+from typing import ClassVar
+
 import numpy as np
 
 from pipeline.physics.balance import Load
@@ -24,6 +26,7 @@ class Creep(Term):
     site = "transmission"
     in_balance = True
     timed = True
+    grows: ClassVar = {"one": ("two",)}
     says = "Part of each motion ({share}) arrives late, with a time constant of {time_constant}."
 
     def __init__(self, form: str = "one") -> None:

@@ -27,9 +27,6 @@ class ForceTerm(Term):
     adds = True
     usual: ClassVar[float] = 0.05
 
-    def __init__(self, form: str = "") -> None:
-        self.form = form
-
     def force(
         self, motion: Motion, kinetics: Kinetics, values: np.ndarray, state: np.ndarray | None
     ) -> tuple[np.ndarray, np.ndarray | None]:

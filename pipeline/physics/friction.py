@@ -1,5 +1,7 @@
 """Wire friction with pre-sliding: a loop with rounded corners, minor loops inside."""
 
+from typing import ClassVar
+
 import numpy as np
 
 from pipeline.physics.balance import Load
@@ -24,6 +26,7 @@ class Friction(Term):
     name = "friction"
     site = "transmission"
     in_balance = True
+    grows: ClassVar = {"symmetric": ("asymmetric", "bristle", "bristle asymmetric", "driven")}
     says = (
         "Friction holds the wire back by {width} between the two ways, "
         "and gives way gradually over the first {reach} of motion."

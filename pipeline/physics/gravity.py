@@ -1,5 +1,7 @@
 """Gravity: a deflection that depends on the absolute pose."""
 
+from typing import ClassVar
+
 import numpy as np
 
 from pipeline.physics.balance import Load
@@ -23,10 +25,8 @@ class Gravity(Term):
     site = "body"
     in_balance = True
     group = "bend"
+    grows: ClassVar = {"": ("unloading",)}
     says = "Its own weight bends it by up to {deflection}, depending on how it hangs."
-
-    def __init__(self, form: str = "") -> None:
-        self.form = form
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
         span, unit = around.angle_span, around.angle_unit

@@ -1,5 +1,7 @@
 """Lost steps: the shaft slips at a moment, a jump of the zero."""
 
+from typing import ClassVar
+
 import numpy as np
 
 from pipeline.physics.motion import Motion
@@ -19,6 +21,7 @@ class LostSteps(Term):
     name = "lost_steps"
     site = "actuator"
     before_curve = True
+    grows: ClassVar = {"once": ("twice",)}
     says = "The shaft slipped by {jump} at {time}, and its zero has been off since."
     says_twice = "The shaft slipped by {jump} at {time} and by {jump_2} at {time_2}."
 

@@ -1,5 +1,7 @@
 """Response lag: the body follows the command late as a whole."""
 
+from typing import ClassVar
+
 import numpy as np
 from numba import njit
 
@@ -109,6 +111,7 @@ class ResponseLag(Term):
     site = "body"
     group = "lag"
     timed = True
+    grows: ClassVar = {"first": ("second", "motor", "slewing")}
     says = "The whole motion comes late, with a time constant of {time_constant}."
     says_of_second = (
         "{who} swings after the command, with a natural frequency of {natural_frequency} and a "

@@ -1,10 +1,14 @@
 """Slack: a dead zone around home, without a loop."""
 
+from typing import ClassVar
+
 import numpy as np
 
 from pipeline.physics.balance import Load
 from pipeline.physics.motion import Motion
 from pipeline.physics.term import Parameter, Surroundings, Term
+
+HOME = "home"
 
 
 class Slack(Term):
@@ -20,10 +24,8 @@ class Slack(Term):
     name = "slack"
     site = "transmission"
     in_balance = True
+    grows: ClassVar = {HOME: ("",)}
     says = "Around home both wires hang slack: nothing moves over {width} of drive."
-
-    def __init__(self, form: str = "") -> None:
-        self.form = form
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
         span, unit = around.drive_span, around.drive_unit
@@ -61,6 +63,5 @@ class Slack(Term):
         return around.drive_span > 0.0 and (home or self.form != HOME)
 
 
-HOME = "home"
 STIFFNESS = 0.03
 MOST_SHARP = 400.0

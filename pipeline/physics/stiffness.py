@@ -1,5 +1,7 @@
 """Stiffness: a force that grows with the position, like a spring's."""
 
+from typing import ClassVar
+
 import numpy as np
 
 from pipeline.physics.force_term import ASYMMETRY, ForceTerm, per, size
@@ -23,6 +25,7 @@ class Stiffness(ForceTerm):
     """
 
     name = "stiffness"
+    grows: ClassVar = {"": ("asymmetric", "hardening")}
     says = "A spring of {stiffness} pushes back."
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:

@@ -1,5 +1,7 @@
 """Stribeck friction: friction that falls when motion sets in."""
 
+from typing import ClassVar
+
 import numpy as np
 
 from pipeline.physics.coulomb_friction import ONSETS, onset_of, reach_of
@@ -22,6 +24,7 @@ class StribeckFriction(ForceTerm):
     """
 
     name = "stribeck_friction"
+    grows: ClassVar = {"": ("asymmetric", "smoothed")}
     says = "At less than about {speed}, dry friction holds back by {force} more."
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:

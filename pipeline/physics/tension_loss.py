@@ -1,5 +1,7 @@
 """Tension loss: play that grows from cycle to cycle."""
 
+from typing import ClassVar
+
 import numpy as np
 from numba import njit
 
@@ -33,6 +35,7 @@ class TensionLoss(Term):
     site = "transmission"
     before_curve = True
     group = "play"
+    grows: ClassVar = {"linear": ("late", "settling")}
     says = "The wire slackens: its play was {width} at the start and grows by {growth} of travel."
 
     def __init__(self, form: str = "linear") -> None:

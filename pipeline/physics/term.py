@@ -84,6 +84,7 @@ class Term:
     nominal curve. adds: whether what it adds does not depend on the signal. timed: whether its
     answer needs every sample, as what it does within a dwell depends on how long that is. says: one
     line that a mechanic understands, with `{parameter}` fields.
+    grows: for a form, those that hold more of the real thing; their first parameters are the same.
     own_law: whether a form bends otherwise than the plainer one whose parameters it has: a fit of
     that is one more place to begin from, not the only one.
     """
@@ -98,6 +99,14 @@ class Term:
     group: ClassVar[str] = ""
     says: ClassVar[str]
     form: str = ""
+    grows: ClassVar[Mapping[str, tuple[str, ...]]] = {}
+
+    def __init__(self, form: str = "") -> None:
+        self.form = form or self.form
+
+    def richer(self) -> tuple["Term", ...]:
+        """This term in the forms that hold more."""
+        return tuple(type(self)(form) for form in self.grows.get(self.form, ()))
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
         """Names, units, bounds and starts, in the order of `values`."""

@@ -1,5 +1,7 @@
 """Ripple: a periodic error over the shaft angle (eccentric pulley, gear teeth)."""
 
+from typing import ClassVar
+
 import numpy as np
 
 from pipeline.physics.motion import Motion
@@ -20,6 +22,11 @@ class TransmissionRipple(Term):
     name = "transmission_ripple"
     site = "actuator"
     before_curve = True
+    grows: ClassVar = {
+        "first": ("first afloat", "second", "second afloat"),
+        "first afloat": ("second afloat",),
+        "second": ("second afloat",),
+    }
     says = (
         "The drive runs ahead and behind by {amplitude}, again and again every {period} of shaft."
     )

@@ -1,5 +1,7 @@
 """Viscous friction: a force against the motion that grows with its speed."""
 
+from typing import ClassVar
+
 import numpy as np
 
 from pipeline.physics.force_term import ASYMMETRY, ForceTerm, both_ways, per, size
@@ -16,6 +18,7 @@ class ViscousFriction(ForceTerm):
     """
 
     name = "viscous_friction"
+    grows: ClassVar = {"": ("asymmetric",)}
     says = "Friction that grows with the speed holds back by {damping}."
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
