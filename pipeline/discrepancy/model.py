@@ -13,8 +13,9 @@ from pipeline.physics.catalogue import term
 from pipeline.physics.kinematics import Beside, Curve, IdentityCurve, SampledCurve, SmoothError
 from pipeline.physics.mechanism import Mechanism, Piece
 from pipeline.physics.motion import Motion
+from pipeline.physics.term import Surroundings, Term
 
-SCHEMA = "loopgap.model/1"
+SCHEMA = "loopgap.model/2"
 DIFFERENCE = 0.2
 
 
@@ -177,10 +178,11 @@ def _fitted(m: Mechanism, zero: WalkedZero | None) -> dict[str, Any]:
         "offset": m.offset,
         "error": None if m.error is None else asdict(m.error),
         "terms": [
-            {"name": p.term.name, "form": p.term.form, "values": p.values.tolist()}
+            {"name": p.term.name, "form": p.term.form,
+             "parameters": dict(zip(_parameters(p.term), p.values.tolist(), strict=True))}
             for p in m.pieces
         ],
-    }
+    }  # fmt: skip
 
 
 def from_json(entry: Mapping[str, Any], others: list[str]) -> CorrectedModel:
@@ -191,7 +193,7 @@ def from_json(entry: Mapping[str, Any], others: list[str]) -> CorrectedModel:
     if entry.get("schema") != SCHEMA:
         raise ModelError(
             refusal("model", f"schema {SCHEMA!r}", repr(entry.get("schema")),
-                    "Point `model=` at the folder of a diagnosis.")
+                    "Diagnose anew, or point `model=` at the folder of a diagnosis.")
         )  # fmt: skip
     try:
         curve: Curve = IdentityCurve()
@@ -229,11 +231,24 @@ def _refitted(entry: Mapping[str, Any], curve: Curve, others: list[str]) -> Mech
         beside = tuple(Beside(**other) for other in e.get("beside", ()))
         error = SmoothError(e["middle"], e["half_range"], tuple(e["weights"]), beside)
         require(others, [other.command for other in beside])
-    pieces = tuple(
-        Piece(term(t["name"], t["form"], others), np.array(t["values"], dtype=float))
-        for t in entry["terms"]
-    )
+    pieces = tuple(_piece(t, others) for t in entry["terms"])
     return Mechanism(curve, pieces, entry["gain"], entry["offset"], error)
+
+
+def _piece(entry: Mapping[str, Any], others: list[str]) -> Piece:
+    """A term with its values; ModelError where its parameters have other names now."""
+    own, stored = term(entry["name"], entry["form"], others), entry["parameters"]
+    if list(stored) != _parameters(own):
+        raise ModelError(
+            refusal(f"model, term {entry['name']!r}", f"parameters {', '.join(_parameters(own))}",
+                    ", ".join(stored), "Diagnose anew.")
+        )  # fmt: skip
+    return Piece(own, np.array(list(stored.values()), dtype=float))
+
+
+def _parameters(term: Term) -> list[str]:
+    """Names of a term's parameters in the order of its values."""
+    return [p.name for p in term.parameters(Surroundings())]
 
 
 def _zero(entry: Mapping[str, Any]) -> WalkedZero | None:

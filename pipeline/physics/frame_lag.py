@@ -14,7 +14,7 @@ UNEVEN = 0.05
 class FrameLag(Term):
     """seen(t) = theta(t - lag), straight between samples; form "frames" counts the lag in samples.
 
-    Form "held": each pose is reached within `moving` of the sample before, and held from there on,
+    Form "held": each pose is reached within `move` of the sample before, and held from there on,
     as where a robot moves, waits and takes its frame: the wait may vary, the move does not.
     Source: pure delay of a buffered camera.
     """
@@ -36,7 +36,7 @@ class FrameLag(Term):
         if self.form == "time":
             return (lag,)
         quickest, longest = QUICKEST * dwell, LONGEST * dwell
-        return lag, Parameter("moving", "s", quickest, longest, 0.1 * dwell, 0.0)
+        return lag, Parameter("move", "s", quickest, longest, 0.1 * dwell, 0.0)
 
     def respond(
         self, signal: np.ndarray, motion: Motion, values: np.ndarray, state: np.ndarray | None

@@ -8,6 +8,8 @@ import pytest
 
 from pipeline.config import DiagnosisConfig
 from pipeline.discrepancy.model import Hypothesis, ModelError, as_json, from_json
+from pipeline.physics.catalogue import term
+from pipeline.physics.mechanism import Mechanism, Piece
 from pipeline.stages.diagnosis import diagnose
 from pipeline.stages.prediction import predict
 from tests.discrepancy.made import NOISE, recorded
@@ -78,5 +80,19 @@ def test_a_missing_command_is_refused(model):
 
 
 def test_a_foreign_file_is_refused():
-    with pytest.raises(ModelError, match=r"schema 'loopgap.model/1'; found 'other'"):
+    with pytest.raises(ModelError, match=r"schema 'loopgap.model/2'; found 'other'"):
         from_json({"schema": "other"}, [])
+
+
+def test_a_model_whose_parameters_had_other_names_is_refused(model):
+    late = Piece(term("frame_lag", "held"), np.array([3.0, 0.5]))
+    stored = json.loads(json.dumps(as_json(replace(model, mechanism=Mechanism(pieces=[late])))))
+    assert stored["terms"][0]["parameters"] == {"lag": 3.0, "move": 0.5}
+    stored["terms"][0]["parameters"] = {"lag": 3.0, "moving": 0.5}
+    with pytest.raises(ModelError, match="expected parameters lag, move; found lag, moving"):
+        from_json(stored, [])
+
+
+def test_a_model_without_names_of_its_parameters_is_refused(model):
+    with pytest.raises(ModelError, match="found 'loopgap.model/1'. Diagnose anew"):
+        from_json(as_json(model) | {"schema": "loopgap.model/1"}, [])
