@@ -8,11 +8,13 @@ from pipeline.physics.term import NO_STATE, Parameter, Surroundings, Term
 
 def projected(angle_rad: np.ndarray, foreshortening: float, direction_rad: float) -> np.ndarray:
     """Angle in an image in which lengths across `direction_rad` are shortened by a factor."""
-    seen = np.arctan2(
-        foreshortening * np.sin(angle_rad - direction_rad), np.cos(angle_rad - direction_rad)
-    )
+    turned = angle_rad - direction_rad
+    seen = np.arctan2(foreshortening * np.sin(turned), np.cos(turned))
     home = np.arctan2(-foreshortening * np.sin(direction_rad), np.cos(direction_rad))
-    return np.remainder(seen - home + np.pi, 2.0 * np.pi) - np.pi
+    place = seen - home + np.pi
+    if place.size and not 0.0 <= place.min() <= place.max() < 2.0 * np.pi:
+        place = np.remainder(place, 2.0 * np.pi)
+    return place - np.pi
 
 
 class CameraTilt(Term):
