@@ -15,7 +15,7 @@ ENOUGH = 0.7
 MOST_LEFT = 0.1
 UNFOLLOWED = 0.7
 FORM_ERROR = 0.05
-ODDS = 5.0
+ODDS = 2.0
 
 
 def intolerable(choice: Choice) -> bool:
@@ -37,7 +37,7 @@ def follows(explanation: Explanation, choice: Choice) -> bool:
 def sure_of_slow(explanation: Explanation, best: Choice) -> Choice:
     """The best choice, without its drift and slips where they may be noise that wanders.
 
-    Where cycles repeat, such a zero is nothing to be named: the odds against it must be 5 to 1.
+    Where cycles repeat, such a zero is nothing to be named: the odds against it must be 2 to 1.
     """
     quiet = {n for n in best.fit.names if n not in SLOW}
     if explanation.prior.repeats == 0 or len(quiet) == len(names(best)):
