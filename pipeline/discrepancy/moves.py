@@ -16,13 +16,15 @@ from pipeline.discrepancy.fit import ITERATIONS, evaluate, improve, parameters_o
 from pipeline.discrepancy.reform import reformed
 from pipeline.discrepancy.screen import screen, started
 from pipeline.physics.capstan_friction import CapstanFriction
-from pipeline.physics.catalogue import BEND
+from pipeline.physics.catalogue import BEND, SHEATH_FORCES
 from pipeline.physics.compliance import Compliance
 from pipeline.physics.friction import Friction
 from pipeline.physics.mechanism import Piece
 from pipeline.physics.response_lag import ResponseLag
+from pipeline.physics.stiffness import Stiffness
 
 SHEATH = CapstanFriction("pretensioned")
+SPRING, SHEATHED = Stiffness(), ("coulomb_friction", "stribeck_friction", "stiffness")
 TOE = Compliance("toe")
 HOPED = 40.0
 LEAST_LEFT, FIRM = 0.05, 50.0
@@ -139,6 +141,8 @@ def loosened(search: Search, choice: Choice) -> Choice:
 
 def sheathed(search: Search, choice: Choice) -> Choice:
     """The choice with friction of one width replaced by a share of the pull, if that is better."""
+    if choice.fit.ground.problem.derivatives is not None:
+        return sheathed_force(search, choice)
     for i, piece in enumerate(choice.fit.pieces):
         key = choice.fit.key | {(piece.term.name, SHEATH.form)}
         tried = abs(search.plain.get(key, np.inf) - choice.score) < SAME
@@ -148,3 +152,26 @@ def sheathed(search: Search, choice: Choice) -> Choice:
                 return trial
             search.plain[key] = choice.score
     return choice
+
+
+def sheathed_force(search: Search, choice: Choice) -> Choice:
+    """The choice with a sheath's friction beside a spring in place of dry friction, if better.
+
+    Neither is of use without the other where nothing simulated stands for the spring.
+    """
+    ground = choice.fit.ground
+    motion, around = ground.problem.motion, ground.problem.around
+    rest = [p for p in choice.fit.pieces if p.term.name not in SHEATHED]
+    trials = []
+    for term in (t for t in SHEATH_FORCES if t.excited(motion, around)):
+        starts = [
+            evaluate(ground, [*rest, Piece(term, values), Piece(SPRING, share * values[:1])])
+            for values in term.candidates(motion, around)
+            for share in (0.0, 1.0)
+        ]
+        starts.sort(key=lambda t: t.cost)
+        trials += [improve(t, ITERATIONS) for t in starts[:3]]
+    if not trials:
+        return choice
+    fit = improve(min(trials, key=lambda t: t.cost), 2 * ITERATIONS)
+    return min(choice, search.weighed(fit, choice.place), key=lambda c: c.score)

@@ -15,6 +15,7 @@ CHANCE = 1e-5
 SMALLEST_SIZE, REPEATED = 0.2, 0.5
 SLOW_CORRELATION = 0.87
 LOUD, ROUNDED = 0.25, 1.1
+FEWEST_BENDS = 40
 
 
 @dataclass(frozen=True)
@@ -91,6 +92,8 @@ def slowness(explanation: Explanation, choice: Choice) -> Sign | None:
     likelihood of the chosen one.
     """
     ground, family = choice.fit.ground, explanation.search.family
+    if explanation.problem.derivatives is not None:
+        return slow_force(choice)
     if ground.noise.correlation <= SLOW_CORRELATION:
         return None
     residual = np.where(ground.used, ground.problem.measured - choice.fit.predicted, 0.0)
@@ -107,6 +110,24 @@ def slowness(explanation: Explanation, choice: Choice) -> Sign | None:
     if cost(choice.place) < min(sooner, default=np.inf) + 2.0 * np.log(CHANCE):
         return Sign("slow changes", ground.noise.correlated, CHANCE)
     return None
+
+
+def slow_force(choice: Choice) -> Sign | None:
+    """The residual of a force that bends from row to row less than noise as slow as physics does.
+
+    Neighbours of noise that is correlated by c bend by 6 - 8 c + 2 c^2 of its variance (variance of
+    the second difference). The noise that was learnt of a force does not tell: it is what a law
+    leaves that is no more than flexible, any slow rest with it.
+    """
+    ground = choice.fit.ground
+    left = np.where(ground.used, ground.problem.measured - choice.fit.predicted, np.nan)
+    bends = np.diff(left, 2)
+    bends = bends[np.isfinite(bends)]
+    least = 6.0 - 8.0 * SLOW_CORRELATION + 2.0 * SLOW_CORRELATION**2
+    whole = float(np.nanmean(left**2))
+    if len(bends) < FEWEST_BENDS or float(np.mean(bends**2)) >= least * whole:
+        return None
+    return Sign("slow changes", float(np.sqrt(whole)), CHANCE)
 
 
 def of_repeats(explanation: Explanation, choice: Choice) -> Sign | None:

@@ -6,7 +6,7 @@ import numpy as np
 
 from pipeline.physics.force_units import FORCES, LENGTHS
 from pipeline.physics.motion import Motion
-from pipeline.physics.pre_sliding import dragging, sliding
+from pipeline.physics.pre_sliding import ELEMENTS, dragging, sliding
 from pipeline.physics.term import Parameter, Surroundings, Term
 
 LEAST_PULL = 1e-9
@@ -17,8 +17,9 @@ class CapstanFriction(Term):
     """out = pull exp(-wrap z), z from -1 to 1 over the pre-sliding `reach` of log(pull).
 
     Where reach = wrap and spread = 0, a play in the logarithm: after each reversal nothing comes
-    out until the pull has changed by a factor of exp(2 wrap). A wire that is not pulled
-    counts as pulled by LEAST_PULL. wrap = friction coefficient times the angle that it is bent by.
+    out until the pull has changed by a factor of exp(2 wrap). It begins as it was tightened. A wire
+    that is not pulled counts as pulled by LEAST_PULL. wrap = friction coefficient times the angle
+    that it is bent by.
     Form "capstan bristle": z is of one bristle over a `reach` of pull (see `pre_sliding.py`). Form
     "pretensioned", where a way goes in and a spring pulls at the far end: pull = way + pretension,
     so that the loop is the wider the further the wire is pulled.
@@ -41,6 +42,7 @@ class CapstanFriction(Term):
 
     def __init__(self, form: str = "capstan") -> None:
         self.form = form
+        self.before_curve = form != "pretensioned"
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
         if self.form == "capstan bristle":
@@ -66,10 +68,13 @@ class CapstanFriction(Term):
     ) -> tuple[np.ndarray, np.ndarray]:
         wrap, reach, spread = (float(v) for v in values[:3])
         if self.form == "capstan bristle":
-            share, bent = dragging(signal, reach, spread, state)
+            begin = np.append(signal[0], 1.0) if state is None else state
+            share, bent = dragging(signal, reach, spread, begin)
             return signal * np.exp(-wrap * share), bent
         home = float(values[3]) if self.form == "pretensioned" else 0.0
         pull = signal + home
+        if state is None and self.form == "capstan":
+            state = np.append(np.log(max(pull[0], LEAST_PULL)), np.ones(ELEMENTS))
         share, slid = sliding(np.log(np.maximum(pull, LEAST_PULL)), reach, spread, state)
         return pull * np.exp(-wrap * share) - home, slid
 

@@ -21,6 +21,7 @@ from pipeline.physics.lens_distortion import LensDistortion
 from pipeline.physics.lost_steps import LostSteps
 from pipeline.physics.marker_outliers import MarkerOutliers
 from pipeline.physics.response_lag import ResponseLag
+from pipeline.physics.sheath_force import SheathForce
 from pipeline.physics.sheath_stretch import SheathStretch
 from pipeline.physics.slack import Slack
 from pipeline.physics.stiffness import Stiffness
@@ -31,6 +32,7 @@ from pipeline.physics.transmission_ripple import TransmissionRipple
 from pipeline.physics.viscous_friction import ViscousFriction
 
 BEND, BENDING = "bend", LensDistortion("second")
+SHEATH_FORCES = tuple(SheathForce(f) for f in ("near", "far", "near falling", "far falling"))
 
 
 def terms(other_commands: Iterable[str] = ()) -> tuple[Term, ...]:
@@ -101,7 +103,7 @@ def term(name: str, form: str = "", other_commands: Iterable[str] = ()) -> Term:
     every = (*terms(other_commands), *force_terms())
     found = [t for first in every for t in (first, *richer(first))]
     found += [richest for t in found for richest in richer(t)]
-    found.append(Drift("wave"))
+    found += [Drift("wave"), *SHEATH_FORCES]
     same = [t for t in found if t.name == name and form in ("", t.form)]
     if same:
         return next((t for t in same if t.form == form), same[0])

@@ -4,6 +4,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from pipeline.physics.force_units import FORCES
 from pipeline.physics.motion import Motion
 from pipeline.physics.term import NO_STATE, Parameter, Surroundings, Term
 
@@ -84,7 +85,8 @@ class TransmissionRipple(Term):
         return np.vstack([starts, longer])
 
     def excited(self, motion: Motion, around: Surroundings) -> bool:
-        return around.drive_span > 8.0 * around.step > 0.0
+        """Where a shaft drives, far enough; a force has no teeth."""
+        return around.drive_unit not in FORCES and around.drive_span > 8.0 * around.step > 0.0
 
     def sentence(self, values: np.ndarray, around: Surroundings) -> str:
         """Of two waves the larger one is told."""

@@ -173,6 +173,18 @@ def test_a_spring_that_hardens_is_named_beside_one_that_is_simulated():
     assert result.after.heldout_rmse < 1.0 < result.before.heldout_rmse
 
 
+def test_a_loop_pinched_in_the_middle_leaves_a_rest_that_is_said():
+    """One amplitude, little noise: a flexible law leaves more than that, and as slow as physics."""
+    t = np.arange(2000) / RATE
+    x = 0.02 * np.sin(2.0 * np.pi * 0.8 * t)
+    pinched = dahl(t, x, 30.0, 2e-3) * (1.0 - 0.7 * np.exp(-((x / 0.004) ** 2)))
+    force = pinched * (1.0 - 0.4 * t / t[-1]) + np.random.default_rng(6).normal(0.0, 0.3, len(t))
+    plain = simulate(SimulationConfig("mechanism"), recording(x, force))
+    diagnosis = diagnose(DiagnosisConfig(), plain).diagnoses[0]
+    assert diagnosis.verdict == "partly_explained"
+    assert "coulomb_friction" in [p.name for p in diagnosis.physics]
+
+
 def test_play_before_the_damper_is_said_as_a_rest_and_leaves_no_deviation_without_end():
     t, x, rng = motion()
     end, force = np.zeros(len(x)), np.zeros(len(x))

@@ -47,13 +47,27 @@ def test_it_is_the_sheath_of_many_segments_and_blocks_join():
     assert np.concatenate([first, rest]) == pytest.approx(out, rel=1e-12)
 
 
-def diagnosed(folder: Path, asked: np.ndarray, out: np.ndarray, cycle: np.ndarray, unit: str):
-    """The diagnosis of what a sheath makes (n,) of what is asked (n,), which is the simulation."""
+def test_it_begins_as_it_was_tightened():
+    pull, cycle = pulls_n()
+    motion = Motion(pull, np.arange(len(pull)) * 0.1, cycle)
+    for values in (np.array([WRAP, WRAP, 0.0]), np.array([WRAP, 5.0, 0.8])):
+        form = "capstan" if values[1] == WRAP else "capstan bristle"
+        out, _ = CapstanFriction(form).respond(pull, motion, values, None)
+        assert out[0] == pytest.approx(pull[0] * np.exp(-WRAP))
+
+
+def diagnosed(folder: Path, asked: np.ndarray, out: np.ndarray, cycle: np.ndarray, unit: str,
+              line: bool = False):  # fmt: skip
+    """The diagnosis of what a sheath makes (n,) of what is asked (n,), which is the simulation.
+
+    line: the simulation is a line fitted to the measurement instead.
+    """
     rng = np.random.default_rng(4)
     measured = 1.02 * out + 0.3 + NOISE_N * rng.standard_normal(len(asked))
+    simulated = np.polyval(np.polyfit(asked, measured, 1), asked) if line else asked
     table = pd.DataFrame(
         {"time_s": 0.1 * np.arange(len(asked)), "cycle": cycle, "pull": asked, "out": measured,
-         "out_sim": asked}
+         "out_sim": simulated}
     )  # fmt: skip
     table.to_csv(folder / "samples.csv", index=False)
     channels = [
@@ -83,4 +97,16 @@ def test_a_sheath_is_named_and_its_wrap_found(tmp_path: Path, bent: float):
     assert (found.verdict, [p.name for p in found.physics]) == ("explained", ["friction"])
     wrap = found.physics[0].parameters[0]
     assert wrap.low < bent < wrap.high
+    assert found.after.heldout_rmse < 1.1 * NOISE_N
+
+
+@pytest.mark.parametrize("begun", [20, 90])
+def test_beside_a_fitted_line_the_pull_is_what_friction_takes_its_share_of(
+    tmp_path: Path, begun: int
+):
+    pull, cycle = (np.roll(column, -begun) for column in pulls_n())
+    cycle = np.where(np.arange(len(cycle)) >= len(cycle) - begun, 8, cycle)
+    found = diagnosed(tmp_path, pull, sheath(pull, 2 * WRAP), cycle, "N", line=True)
+    assert [p.name for p in found.physics] == ["friction"]
+    assert found.physics[0].parameters[0].value == pytest.approx(2 * WRAP, rel=0.03)
     assert found.after.heldout_rmse < 1.1 * NOISE_N

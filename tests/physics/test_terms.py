@@ -1,5 +1,7 @@
 """Every term of the catalogue: bounds, effect, memory, words."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -147,6 +149,13 @@ def test_a_motor_with_a_top_speed_runs_at_it_and_then_comes_near_as_a_lag_does()
     speeds = Surroundings(drive_span=50.0, dwell_s=0.01)
     assert term("response_lag", "slewing").excited(motion, speeds)
     assert not term("response_lag", "slewing").excited(triangle(), around(triangle()))
+
+
+def test_a_force_has_no_teeth_that_could_ripple():
+    motion = triangle()
+    assert term("transmission_ripple").excited(motion, around(motion))
+    pulled = replace(around(motion), drive_unit="N")
+    assert not term("transmission_ripple").excited(motion, pulled)
 
 
 def test_of_two_waves_the_larger_one_is_told():
