@@ -148,12 +148,17 @@ class Fit:
     @cached_property
     def changes(self) -> np.ndarray:
         """Derivatives of the prediction by gain, offset, bends and every term parameter, (n, m)."""
-        return np.hstack([self.ground.calibrating(self.trace), jacobian(self)])
+        return np.hstack([self.ground.calibrating(self.trace), self.by_parameter])
+
+    @cached_property
+    def by_parameter(self) -> np.ndarray:
+        """Derivatives of the prediction by every term parameter, (n, free)."""
+        return jacobian(self)
 
     @cached_property
     def slopes(self) -> np.ndarray:
-        """Those by every term parameter, whitened, (count, free)."""
-        return self.ground.whiten(self.changes[:, len(self.nuisance) :])
+        """The same, whitened, (count, free)."""
+        return self.ground.whiten(self.by_parameter)
 
     @cached_property
     def key(self) -> frozenset[tuple[str, str]]:

@@ -182,7 +182,7 @@ def taken_up(loose: Loose, drive: np.ndarray, curve: Curve) -> np.ndarray:
     mean slope.
     """
     half, _, _, middle = loose
-    lost = np.clip(drive - middle, -half, half)
+    lost = np.minimum(np.maximum(drive - middle, -half), half)
     return curve(drive - lost) + curve.slope * lost - curve(drive)
 
 

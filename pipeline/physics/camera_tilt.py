@@ -1,15 +1,26 @@
 """Camera tilt: the angle is seen in projection."""
 
 import numpy as np
+from numba import njit
 
 from pipeline.physics.motion import Motion
+from pipeline.physics.tabled import waved
 from pipeline.physics.term import NO_STATE, Parameter, Surroundings, Term
+
+
+@njit(cache=True, fastmath=True, error_model="numpy")
+def _legs(angle, squeeze, direction):  # type: ignore[no-untyped-def]
+    """Lengths across a direction, squeezed, and along it, of unit arms at angles (n,)."""
+    across, along = np.empty(angle.size), np.empty(angle.size)
+    for i in range(angle.size):
+        sine, cosine = waved(angle[i] - direction)
+        across[i], along[i] = squeeze * sine, cosine
+    return across, along
 
 
 def projected(angle_rad: np.ndarray, foreshortening: float, direction_rad: float) -> np.ndarray:
     """Angle in an image in which lengths across `direction_rad` are shortened by a factor."""
-    turned = angle_rad - direction_rad
-    seen = np.arctan2(foreshortening * np.sin(turned), np.cos(turned))
+    seen = np.arctan2(*_legs(np.ascontiguousarray(angle_rad), foreshortening, direction_rad))
     home = np.arctan2(-foreshortening * np.sin(direction_rad), np.cos(direction_rad))
     place = seen - home + np.pi
     if place.size and not 0.0 <= place.min() <= place.max() < 2.0 * np.pi:

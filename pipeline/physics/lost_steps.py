@@ -46,7 +46,7 @@ class LostSteps(Term):
     ) -> tuple[np.ndarray, np.ndarray]:
         out = signal.astype(float)
         for jump, time_s in zip(values[0::2], values[1::2], strict=True):
-            out = out + jump * (motion.time_s >= time_s)
+            out[np.searchsorted(motion.time_s, time_s) :] += jump
         return out, NO_STATE
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:

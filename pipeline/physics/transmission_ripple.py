@@ -3,10 +3,25 @@
 from typing import ClassVar
 
 import numpy as np
+from numba import njit
 
 from pipeline.physics.force_units import FORCES
 from pipeline.physics.motion import Motion
+from pipeline.physics.tabled import waved
 from pipeline.physics.term import NO_STATE, Parameter, Surroundings, Term
+
+
+@njit(cache=True, fastmath=True, error_model="numpy")
+def rippled(drive, turn, amplitude, phase, further, later):  # type: ignore[no-untyped-def]
+    """drive + amplitude sin(turn drive + phase) + further sin(2 turn drive + later), (n,)."""
+    out = np.empty(drive.size)
+    for i in range(drive.size):
+        angle = turn * drive[i]
+        out[i] = drive[i] + amplitude * waved(angle + phase)[0]
+    if further != 0.0:
+        for i in range(drive.size):
+            out[i] += further * waved(2.0 * turn * drive[i] + later)[0]
+    return out
 
 
 class TransmissionRipple(Term):
@@ -53,11 +68,12 @@ class TransmissionRipple(Term):
     def respond(
         self, signal: np.ndarray, motion: Motion, values: np.ndarray, state: np.ndarray | None
     ) -> tuple[np.ndarray, np.ndarray]:
-        angle = 2.0 * np.pi / values[1] * signal
-        homed = 0.0 if "afloat" in self.form else 1.0
-        out = signal + values[0] * (np.sin(angle + values[2]) - homed * np.sin(values[2]))
-        if len(values) > 3:
-            out += values[3] * (np.sin(2.0 * angle + values[4]) - homed * np.sin(values[4]))
+        amplitude, period, phase, further, later = (*values, 0.0, 0.0)[:5]
+        out = rippled(
+            np.ascontiguousarray(signal), 2.0 * np.pi / period, amplitude, phase, further, later
+        )
+        if "afloat" not in self.form:
+            out -= amplitude * np.sin(phase) + further * np.sin(later)
         return out, NO_STATE
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:

@@ -164,3 +164,27 @@ def test_of_two_waves_the_larger_one_is_told():
         np.array([0.0, 23.0, 1.0, 0.4, 2.0]), around
     )
     assert "by 0.4 deg, again and again every 11.5 deg" in said
+
+
+@pytest.mark.parametrize("amplitude", [60.0, 400.0])
+def test_tabled_waves_are_what_ripple_and_tilt_say(amplitude):
+    motion = triangle(1, amplitude)
+    ripple, tilt = np.array([2.0, 7.0, 1.1, 0.4, 2.0]), np.array([0.7, 2.0])
+    rippled = term("transmission_ripple", "second").respond(motion.drive, motion, ripple, None)[0]
+    angle = 2.0 * np.pi * motion.drive / 7.0
+    expected = 2.0 * (np.sin(angle + 1.1) - np.sin(1.1))
+    expected += 0.4 * (np.sin(2.0 * angle + 2.0) - np.sin(2.0))
+    np.testing.assert_allclose(rippled - motion.drive, expected, atol=1e-9)
+    seen = term("camera_tilt").respond(motion.drive, motion, tilt, None)[0]
+    turned, home = motion.drive / motion.radian - 2.0, -2.0
+    arms = [np.cos(x) + 1j * np.cos(0.7) * np.sin(x) for x in (turned, home)]
+    expected = np.angle(arms[0] / arms[1]) * motion.radian
+    np.testing.assert_allclose(seen, expected, atol=1e-8)
+
+
+def test_a_slip_comes_with_its_sample():
+    motion = triangle(1)
+    slipped = term("lost_steps").respond(
+        motion.drive, motion, np.array([1.5, motion.time_s[7]]), None
+    )[0]
+    np.testing.assert_array_equal(slipped - motion.drive != 0.0, np.arange(200) >= 7)
