@@ -5,19 +5,27 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pipeline.discrepancy.charge import independent
 from pipeline.discrepancy.choose import Choice
 from pipeline.discrepancy.fit import Fit, evaluate, parameters_of
 from pipeline.discrepancy.intervals import covariance_of
 from pipeline.discrepancy.problem import Problem
 from pipeline.physics.catalogue import terms
+from pipeline.physics.compliance import Compliance
 from pipeline.physics.friction import Friction
 from pipeline.physics.mechanism import Piece
+from pipeline.physics.term import Term
 
 TIE = 9.0
 RIVAL_GAP = 14.0
 SURE = 2.0
 NEGLIGIBLE = 1e-4
-DISGUISES = {"tension_loss": "backlash", "friction": "backlash", "slack": "compliance"}
+DISGUISES = {
+    "tension_loss": "backlash",
+    "friction": "backlash",
+    "slack": "compliance",
+    "compliance": "slack",
+}
 TEMPERATURE = 2.0
 BENDS = frozenset({"camera_tilt", "lens_distortion", "compliance", "gravity"})
 SAME_AT_ONE_DWELL = (frozenset({"creep", "response_lag"}),)
@@ -76,8 +84,9 @@ def standing(name: str, best: Choice, choices: list[Choice], problem: Problem) -
 def plain(choice: Choice) -> frozenset[str]:
     """The names of a choice, each that is another one in disguise under that other name.
 
-    A play that does not surely grow, or whose corners are surely sharp, is backlash; a dead zone
-    that is not surely wider than nothing is wire that gives way at first.
+    A play whose growth is not worth a parameter, or whose corners are surely sharp, is backlash; a
+    dead zone whose width is not worth one is wire that gives way at first, and wire that gives way
+    within less than a step and no more hung slack.
     """
     return frozenset(plainly(choice.fit))
 
@@ -88,9 +97,13 @@ def plainly(fit: Fit) -> list[str]:
     for i, piece in enumerate(fit.pieces):
         name, hidden = piece.term.name, False
         if name in ("tension_loss", "slack"):
-            hidden = bool(piece.values[0] <= SURE * np.sqrt(covariance_of(fit)[k, k]))
+            worth = np.log(independent(fit.ground))
+            hidden = bool(piece.values[0] ** 2 <= worth * covariance_of(fit)[k, k])
         elif isinstance(piece.term, Friction):
             hidden = sharp(fit, i)
+        elif isinstance(piece.term, Compliance) and piece.term.form != "joint":
+            _, reach, stretch, stiffness = piece.values
+            hidden = bool(reach * stiffness / (stiffness + stretch) < step_of(fit, piece.term))
         found.append(DISGUISES[name] if hidden else name)
         k += len(piece.values)
     return found
@@ -109,10 +122,7 @@ def sharp(fit: Fit, place: int) -> bool:
 
     Or sharper than two, of which one sample sees the inside, where they may be as sharp as can be.
     """
-    piece, around = fit.pieces[place], fit.ground.problem.around
-    step = around.step
-    if not piece.term.before_curve:
-        step *= around.angle_span / max(around.drive_span, 1e-300)
+    piece, step = fit.pieces[place], step_of(fit, fit.pieces[place].term)
     parameters = parameters_of(fit.ground, piece.term)
     reach = [p.name for p in parameters].index("reach")
 
@@ -126,6 +136,13 @@ def sharp(fit: Fit, place: int) -> bool:
         return False
     within = step > piece.values[reach] and refuted(step)
     return within or not refuted(parameters[reach].low)
+
+
+def step_of(fit: Fit, term: Term) -> float:
+    """The usual step where a term acts, before the nominal curve or behind it."""
+    around = fit.ground.problem.around
+    slope = around.angle_span / max(around.drive_span, 1e-300)
+    return around.step if term.before_curve else around.step * slope
 
 
 def names(choice: Choice) -> frozenset[str]:

@@ -1,0 +1,38 @@
+"""Names that are another one in disguise."""
+
+import numpy as np
+import pytest
+
+from pipeline.config import DiagnosisConfig
+from pipeline.discrepancy.fit import Ground, evaluate, ground_of
+from pipeline.discrepancy.intervals import covariance_of
+from pipeline.discrepancy.noise import NoiseModel
+from pipeline.discrepancy.problem import pose_problem
+from pipeline.discrepancy.ties import plainly
+from pipeline.physics.catalogue import term
+from pipeline.physics.mechanism import Piece
+from tests.discrepancy.made import NOISE, recorded
+
+
+@pytest.fixture(scope="module")
+def ground() -> Ground:
+    recording = recorded({"backlash": {"width": 2.0}})
+    simulated = recording.values("pitch_angle_sim_deg")
+    problem = pose_problem(DiagnosisConfig(), recording, "pitch_angle_deg", simulated)
+    return ground_of(problem, NoiseModel(NOISE, 0.0, 0.0), problem.train)
+
+
+@pytest.mark.parametrize(("deviations", "name"), [(2.2, "backlash"), (3.5, "tension_loss")])
+def test_a_play_whose_growth_is_not_worth_a_parameter_is_backlash(ground, deviations, name):
+    def grown(growth):
+        return evaluate(ground, [Piece(term("tension_loss"), np.array([growth, 1.9]))])
+
+    deviation = np.sqrt(covariance_of(grown(1e-5))[2, 2])
+    assert plainly(grown(deviations * deviation)) == [name]
+
+
+@pytest.mark.parametrize(("stretch", "name"), [(0.06, "slack"), (0.0, "compliance")])
+def test_wire_that_gives_way_within_a_step_and_no_more_hung_slack(ground, stretch, name):
+    """A free joint would take up the same toe over 1.6 deg, beyond a step of 1.3 deg."""
+    wire = Piece(term("compliance", "wire"), np.array([0.3, 1.6, stretch, 0.006]))
+    assert plainly(evaluate(ground, [wire])) == [name]
