@@ -67,6 +67,7 @@ def terms(other_commands: Iterable[str] = ()) -> tuple[Term, ...]:
         Drift("linear"),
         Drift("cycle"),
         Drift("exponential"),
+        Drift("wave"),
     )
 
 
