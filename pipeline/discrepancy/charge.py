@@ -18,8 +18,10 @@ def complexity(fit: Fit) -> float:
     """The charge for a fit's terms and for those of their parameters that are not at a bound.
 
     Each moment of a term is an event of its own: a second slip is as unlikely as the first. A
-    calibration that can be none explains as little as a term that amounts to nothing.
+    calibration that can be none explains as little as a term that amounts to nothing; so does a
+    slip before the first sample used, which is another home of a curve that bends.
     """
+    first_s = fit.ground.problem.motion.time_s[int(np.argmax(fit.ground.used))]
     charge = 0.0 if absurd_calibration(fit) is None else VOID
     for i, piece in enumerate(fit.pieces):
         charge += VOID if piece.term.void(piece.values) else 0.0
@@ -28,6 +30,7 @@ def complexity(fit: Fit) -> float:
         parameters = parameters_of(fit.ground, piece.term)
         charge += own * max(sum(p.moment for p in parameters), 1)
         for p, value in zip(parameters, piece.values, strict=True):
+            charge += VOID if p.moment and value <= first_s else 0.0
             nothing = p.weak or (value <= p.low and p.typical > 0.0)
             charge += AT_BOUND if nothing else np.log(independent(fit.ground))
     return charge

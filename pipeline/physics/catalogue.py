@@ -104,7 +104,7 @@ def term(name: str, form: str = "", other_commands: Iterable[str] = ()) -> Term:
     every = (*terms(other_commands), *force_terms())
     found = [t for first in every for t in (first, *richer(first))]
     found += [richest for t in found for richest in richer(t)]
-    found += [Drift("wave"), *SHEATH_FORCES]
+    found += SHEATH_FORCES
     same = [t for t in found if t.name == name and form in ("", t.form)]
     if same:
         return next((t for t in same if t.form == form), same[0])

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from pipeline.config import DiagnosisConfig
+from pipeline.discrepancy.charge import VOID, complexity
 from pipeline.discrepancy.fit import evaluate, ground_of, improve, jacobian
 from pipeline.discrepancy.intervals import covariance_of, estimates, wide_covariance
 from pipeline.discrepancy.noise import NoiseModel
@@ -59,6 +60,16 @@ def test_a_ripple_behind_a_late_answer_is_screened_at_its_period():
     kept = effects.promising(fit, [ripple], 4)
     assert len(kept) == 16 < len(effects.places) / 5
     assert min(abs(values[1] - 20.0) for _, values in kept) < 1.0
+
+
+def test_a_slip_before_the_first_fitted_sample_explains_nothing():
+    ground = fitted(3).ground
+    first, later = (int(np.argmax(ground.used)) + k for k in (0, 1))
+    slips = [
+        evaluate(ground, (Piece(term("lost_steps"), np.array([1.0, time_s])),))
+        for time_s in ground.problem.motion.time_s[[first, later]]
+    ]
+    assert complexity(slips[0]) == complexity(slips[1]) + VOID
 
 
 def test_intervals_cover():
