@@ -4,12 +4,13 @@ import numpy as np
 
 from pipeline.discrepancy.calibration import FAR_OFF
 from pipeline.discrepancy.fit import Fit, Ground, parameters_of
+from pipeline.physics.term import Term
 
 TERM_COST = 8.0
 SECOND_SIDE = 1.0
 AT_BOUND = 1.0
 VOID = 40.0
-UNLIKELY = {"lost_steps": 3.0, "contact": 2.0}
+UNLIKELY = {"lost_steps": 3.0, "contact": 2.0, "drift/wave": 6.0}
 SIDED = ("contact", "end_stop")
 ABSURD = 2.0
 
@@ -26,7 +27,7 @@ def complexity(fit: Fit) -> float:
     for i, piece in enumerate(fit.pieces):
         charge += VOID if piece.term.void(piece.values) else 0.0
         again = piece.term.name in SIDED and piece.term.name in fit.names[:i]
-        own = (SECOND_SIDE if again else TERM_COST) + UNLIKELY.get(piece.term.name, 0.0)
+        own = (SECOND_SIDE if again else TERM_COST) + unlikely(piece.term)
         parameters = parameters_of(fit.ground, piece.term)
         charge += own * max(sum(p.moment for p in parameters), 1)
         for p, value in zip(parameters, piece.values, strict=True):
@@ -34,6 +35,15 @@ def complexity(fit: Fit) -> float:
             nothing = p.weak or (value <= p.low and p.typical > 0.0)
             charge += AT_BOUND if nothing else np.log(independent(fit.ground))
     return charge
+
+
+def unlikely(term: Term) -> float:
+    """How much less likely than others a term is in its form, in -2 log odds.
+
+    A wave of any period and phase follows what jitters or repeats with the cycles as well.
+    """
+    whole = f"{term.name}/{term.form}"
+    return UNLIKELY.get(term.name, 0.0) + UNLIKELY.get(whole, 0.0)
 
 
 def absurd_calibration(fit: Fit) -> str | None:

@@ -53,7 +53,7 @@ def test_nothing_hidden_is_no_mismatch(seed):
         ({"slack": {"width": 6.0, "stiffness": 0.02, "rounding": 0.2}}, "width", 6.0),
         ({"creep": {"share": 0.2, "time_constant": 40.0}}, "time_constant", 40.0),
         ({"drift/linear": {"rate": 3.0}}, "rate", 3.0),
-        ({"drift/wave": {"amplitude": 0.6, "period": 1900.0, "phase": 1.0}}, "period", 1900.0),
+        ({"drift/wave": {"amplitude": 0.9, "period": 1900.0, "phase": 1.0}}, "period", 1900.0),
         ({"contact/upper": {"stiffness": 0.8, "angle": 18.0, "skin": 0.3}}, "angle", 18.0),
     ],
     ids=lambda x: next(iter(x)) if isinstance(x, dict) else "",
