@@ -6,6 +6,7 @@ import numpy as np
 
 from pipeline.discrepancy.choose import Choice
 from pipeline.discrepancy.explain import Explanation
+from pipeline.discrepancy.force_rest import after_reversals, left_by, mean_square, too_slow
 from pipeline.discrepancy.noise import NoiseModel
 from pipeline.discrepancy.noise_family import WALKS, Place
 from pipeline.discrepancy.noise_learning import FINEST
@@ -15,7 +16,6 @@ CHANCE = 1e-5
 SMALLEST_SIZE, REPEATED = 0.2, 0.5
 SLOW_CORRELATION = 0.87
 LOUD, ROUNDED = 0.25, 1.1
-FEWEST_BENDS = 40
 
 
 @dataclass(frozen=True)
@@ -93,7 +93,7 @@ def slowness(explanation: Explanation, choice: Choice) -> Sign | None:
     """
     ground, family = choice.fit.ground, explanation.search.family
     if explanation.problem.derivatives is not None:
-        return slow_force(choice)
+        return of_force(choice)
     if ground.noise.correlation <= SLOW_CORRELATION:
         return None
     residual = np.where(ground.used, ground.problem.measured - choice.fit.predicted, 0.0)
@@ -112,22 +112,13 @@ def slowness(explanation: Explanation, choice: Choice) -> Sign | None:
     return None
 
 
-def slow_force(choice: Choice) -> Sign | None:
-    """The residual of a force that bends from row to row less than noise as slow as physics does.
-
-    Neighbours of noise that is correlated by c bend by 6 - 8 c + 2 c^2 of its variance (variance of
-    the second difference). The noise that was learnt of a force does not tell: it is what a law
-    leaves that is no more than flexible, any slow rest with it.
-    """
-    ground = choice.fit.ground
-    left = np.where(ground.used, ground.problem.measured - choice.fit.predicted, np.nan)
-    bends = np.diff(left, 2)
-    bends = bends[np.isfinite(bends)]
-    least = 6.0 - 8.0 * SLOW_CORRELATION + 2.0 * SLOW_CORRELATION**2
-    whole = float(np.nanmean(left**2))
-    if len(bends) < FEWEST_BENDS or float(np.mean(bends**2)) >= least * whole:
+def of_force(choice: Choice) -> Sign | None:
+    """What is left of a force too slowly for noise, or for the most part after reversals."""
+    slow = too_slow(choice, SLOW_CORRELATION)
+    if not (slow or after_reversals(choice)):
         return None
-    return Sign("slow changes", float(np.sqrt(whole)), CHANCE)
+    where = "slow changes" if slow else "after reversals"
+    return Sign(where, float(np.sqrt(mean_square(left_by(choice)))), CHANCE)
 
 
 def of_repeats(explanation: Explanation, choice: Choice) -> Sign | None:
