@@ -24,6 +24,7 @@ from pipeline.discrepancy.outliers import alike, isolated, returning
 from pipeline.discrepancy.polish import polished
 from pipeline.discrepancy.problem import Problem
 from pipeline.discrepancy.screen import effects_of
+from pipeline.discrepancy.thinning import sparser
 from pipeline.discrepancy.ties import RIVAL_GAP, by_names, names, plain, plainly
 from pipeline.physics.catalogue import force_terms, terms
 from pipeline.physics.term import Term
@@ -52,6 +53,33 @@ class Explanation:
 
 def explain(problem: Problem) -> Explanation:
     """The sets of terms that explain a problem's training rows.
+
+    They are looked for with few of the samples behind its rows, then fitted with all of them.
+    """
+    sparse = sparser(problem)
+    found = searched(sparse)
+    return found if sparse is problem else fitted_with_all(problem, found)
+
+
+def fitted_with_all(problem: Problem, found: Explanation) -> Explanation:
+    """What was found with fewer samples behind the same rows, with all of them.
+
+    Choices that come near the best are fitted and weighed anew.
+    """
+    ground = ground_of(problem, found.prior.model, found.used)
+    least, choices = found.choices[0].score + RIVAL_GAP, []
+    for choice in found.choices:
+        own = ground.with_noise(choice.fit.ground.noise)
+        fit = evaluate(own, choice.fit.pieces)
+        near = choice.score < least or not choice.fit.pieces
+        again = found.search.weighed(improve(fit), choice.place) if near else choice
+        choices.append(again if near else replace(choice, fit=fit))
+    choices.sort(key=lambda c: c.score)
+    return replace(found, problem=problem, choices=choices)
+
+
+def searched(problem: Problem) -> Explanation:
+    """The sets of terms that explain a problem's training rows, looked for from nothing.
 
     Outliers are judged on the residual of the best explanation, so that a sharp corner is none;
     where that changes them, the choice is made anew. Where calibration alone leaves no more than

@@ -9,7 +9,7 @@ from pipeline.discrepancy.repeats import same_motions
 from pipeline.recording import reversals_of
 
 ALIKE = 4
-MOST_SAMPLES = 60_000
+MOST_SAMPLES, SEARCHED = 60_000, 6_000
 
 
 def thinned(problem: Problem, whole: bool = False) -> tuple[Problem, int]:
@@ -28,6 +28,20 @@ def thinned(problem: Problem, whole: bool = False) -> tuple[Problem, int]:
     fine = problem.rows(every_kth(problem, coarse)) if coarse > 1 else problem
     keep = every_kth(fine, -(-int(np.isfinite(fine.measured).sum()) // MOST_ROWS))
     return replace(fine.rows(keep), picked=Picked(fine.motion, keep)), every
+
+
+def sparser(problem: Problem) -> Problem:
+    """The same rows with at most about SEARCHED samples behind them, which a search needs no more.
+
+    What has been found on them is to be fitted again on all.
+    """
+    picked = problem.picked
+    if picked is None or len(picked.motion) <= SEARCHED:
+        return problem
+    every = np.arange(0, len(picked.motion), -(-len(picked.motion) // SEARCHED))
+    kept = np.union1d(every, picked.rows)
+    rows = np.searchsorted(kept, picked.rows)
+    return replace(problem, picked=Picked(picked.motion.rows(kept), rows))
 
 
 def every_kth(problem: Problem, k: int) -> np.ndarray:

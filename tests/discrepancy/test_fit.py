@@ -5,6 +5,7 @@ import pytest
 
 from pipeline.config import DiagnosisConfig
 from pipeline.discrepancy.charge import VOID, complexity
+from pipeline.discrepancy.explain import explain
 from pipeline.discrepancy.fit import evaluate, ground_of, improve, jacobian
 from pipeline.discrepancy.intervals import covariance_of, estimates, wide_covariance
 from pipeline.discrepancy.noise import NoiseModel
@@ -13,7 +14,7 @@ from pipeline.discrepancy.noise_learning import learn_noise
 from pipeline.discrepancy.outliers import alike, isolated, returning
 from pipeline.discrepancy.problem import pose_problem, static_misfit
 from pipeline.discrepancy.screen import effects_of
-from pipeline.discrepancy.thinning import thinned
+from pipeline.discrepancy.thinning import sparser, thinned
 from pipeline.physics.catalogue import term
 from pipeline.physics.mechanism import Piece
 from tests.discrepancy.made import NOISE, recorded
@@ -152,6 +153,23 @@ def test_long_recordings_are_thinned_at_their_reversals_and_say_so():
     assert every == 5
     assert len(small.motion) < 6000
     assert small.motion.drive.max() == problem.motion.drive.max()
+
+
+def test_a_search_takes_few_of_the_samples_behind_its_rows_and_the_last_fit_all():
+    recording = recorded({"creep/one": {"share": 0.2, "time_constant": 20.0}}, cycles=90)
+    problem = pose_problem(
+        DiagnosisConfig(), recording, "pitch_angle_deg", recording.values("pitch_angle_sim_deg")
+    )
+    small = thinned(problem)[0]
+    sparse = sparser(small)
+    assert small.picked
+    assert sparse.picked
+    assert len(sparse.picked.motion) < 9000 < len(small.picked.motion)
+    assert np.array_equal(sparse.picked.motion.time_s[sparse.picked.rows], small.motion.time_s)
+    best = explain(small).choices[0].fit
+    assert best.names == ("creep",)
+    assert best.ground.problem is small
+    assert best.pieces[0].values[:2] == pytest.approx([0.2, 20.0], rel=0.1)
 
 
 def test_cycles_still_repeat_in_a_thinned_recording_with_lost_frames():
