@@ -88,6 +88,11 @@ def blocks(habit: Habit) -> Iterator[Block]:
                     [usual, *probe, usual, usual, *probe, *probe])  # fmt: skip
 
 
+def repeated(block: Block) -> Block:
+    """The whole block twice."""
+    return Block(f"{block.says}, all of it twice", [*block.segments, *block.segments])
+
+
 def exploring(habit: Habit) -> Block:
     """Everything in one block: usual, small, slow and large-stepped cycles, and the other axes."""
     usual = full_cycle(habit)

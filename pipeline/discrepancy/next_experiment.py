@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 from scipy.special import ndtr
 
-from pipeline.discrepancy.blocks import Block, Habit, blocks, exploring, habit_of
+from pipeline.discrepancy.blocks import Block, Habit, blocks, exploring, habit_of, repeated
 from pipeline.discrepancy.model import Hypothesis
 from pipeline.discrepancy.noise import NoiseModel
 from pipeline.discrepancy.result import Evidence
@@ -100,7 +100,7 @@ def separate(
     refitted, stays from it in whitened units, D, gives the log likelihood ratio N(D^2 / 2, D^2),
     and the power is the chance that it exceeds 4.5, the worst pair's counted (T-optimality:
     Atkinson and Fedorov, Biometrika 62, 1975). Pairs that no block separates are said, and left
-    out. Blocks keep to the range that was recorded.
+    out. Blocks keep to the range that was recorded; one that would hardly decide runs twice.
     """
     weighed = [weigh(block, drive, evidence, rivals) for block in blocks(habit)]
     pairs = list(combinations(rivals, 2))
@@ -110,6 +110,8 @@ def separate(
         return Proposal(f"no motion within the recorded range would separate {told_apart(rivals)}: "
                         + why_alike(rivals), None, 0.0)  # fmt: skip
     best = choice_of(weighed, hopeful)
+    if best.power[hopeful].min() < ENOUGH_POWER:
+        best = weigh(repeated(best.block), drive, evidence, rivals)
     apart = [pair for pair, hope in zip(pairs, hopeful, strict=True) if hope]
     power, rms = float(best.power[hopeful].min()), float(best.apart[hopeful].min())
     unit = evidence.recording.channel(evidence.measurement).unit

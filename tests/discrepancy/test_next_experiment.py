@@ -108,6 +108,25 @@ def test_late_frames_are_told_from_play_by_stops_and_without_leaps() -> None:
     assert steps.max() < 6.1
 
 
+def test_a_block_that_would_hardly_decide_runs_twice() -> None:
+    """Play and late frames differ by a ninth of the noise, or by a third."""
+    few, many = (
+        proposed(
+            rival(0.6, Piece(term("backlash"), np.array([width]))),
+            rival(0.4, Piece(term("frame_lag", "time"), np.array([1.4 * width]))),
+        )
+        for width in (0.2, 0.06)
+    )
+    assert few.commands is not None
+    assert many.commands is not None
+    assert many.power is not None
+    assert many.power > 0.95
+    assert len(many.commands) == 2 * len(few.commands)
+    drive = many.commands["pitch_command_deg"].to_numpy()
+    assert np.array_equal(drive[: len(drive) // 2], drive[len(drive) // 2 :])
+    assert "all of it twice" in many.why
+
+
 def test_commands_run_as_they_are_and_keep_to_the_recorded_range(tmp_path: Path) -> None:
     found = proposed(rival(0.6, CREEP), rival(0.4, FRICTION))
     assert found.commands is not None
