@@ -102,7 +102,7 @@ def plainly(fit: Fit) -> list[str]:
         elif isinstance(piece.term, Friction):
             hidden = sharp(fit, i)
         elif isinstance(piece.term, Compliance) and piece.term.form != "joint":
-            _, reach, stretch, stiffness = piece.values
+            reach, stretch, stiffness = piece.values[1:4]
             hidden = bool(reach * stiffness / (stiffness + stretch) < step_of(fit, piece.term))
         found.append(DISGUISES[name] if hidden else name)
         k += len(piece.values)

@@ -48,6 +48,7 @@ def terms(other_commands: Iterable[str] = ()) -> tuple[Term, ...]:
         Slack("home"),
         Slack(),
         Compliance("wire"),
+        Compliance("off home"),
         Compliance("joint"),
         Creep(),
         TensionLoss(),

@@ -16,7 +16,8 @@ class Compliance(Term):
     a free joint: a wire that is soft while it is loose and hardens with its force; `stiffness` is
     the joint's over the wire's. In form "toe" the wire hardens with its own stretch e instead, as
     ropes do: it pulls by e - toe * length * (1 - exp(-e / length)). Its parameters mean the same:
-    softness at first, and the reach within which half of that is gone. Form "joint": hardening *
+    softness at first, and the reach within which half of that is gone. In form "off home" the wire
+    is loose at theta = centre, where the joint's own spring is at rest. Form "joint": hardening *
     theta^3. Source: two springs in series; toe region of wire ropes, Feyrer, Wire Ropes (2015),
     section 2.3; of tendons, Fung, Biomechanics (1993), section 7.3; Duffing.
     """
@@ -25,14 +26,14 @@ class Compliance(Term):
     site = "transmission"
     in_balance = True
     group = "bend"
-    grows: ClassVar = {"wire": ("toe",)}
+    grows: ClassVar = {"wire": ("toe", "off home")}
     says = (
         "The wire stretches under the joint's stiffness, and hardens: it moves less than commanded."
     )
 
     def __init__(self, form: str = "wire") -> None:
         self.form = form
-        self.own_law = form == "toe"
+        self.own_law = form in ("toe", OFF_HOME)
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
         half, unit = 0.5 * around.angle_span, around.angle_unit
@@ -40,11 +41,18 @@ class Compliance(Term):
         if self.form == "joint":
             hard = 0.1 / half**2
             return (Parameter("hardening", f"1/{unit}^2", 0.0, 30 * hard, hard, hard), stretch)
-        return (
+        wire = (
             Parameter("softness", "", 0.0, 0.8, 0.2, 0.2),
             Parameter("reach", unit, 0.01 * half, 2.0 * half, 0.2 * half, 0.2 * half),
             stretch,
             Parameter("stiffness", "", 0.002, 2.0, 0.2, 0.05, weak=True),
+        )
+        if self.form != OFF_HOME:
+            return wire
+        middle, far = around.angle_low + half, 0.7 * half
+        return (
+            *wire,
+            Parameter("centre", unit, middle - far, middle + far, middle, 0.1 * half),
         )
 
     def void(self, values: np.ndarray) -> bool:
@@ -54,7 +62,7 @@ class Compliance(Term):
     def load(self, values: np.ndarray, motion: Motion, state: np.ndarray | None) -> Load:
         if self.form == "joint":
             return Load(smooth=(float(values[1]), float(values[0]), 0.0, 0.0))
-        softness, reach, stretch, stiffness = values
+        softness, reach, stretch, stiffness, *centre = values
         if self.form == "toe":
             toe = softness / (softness + stiffness)
             half_gone = np.log(2.0 - toe) - toe * (1.0 - toe) / (2.0 - toe)
@@ -64,7 +72,7 @@ class Compliance(Term):
         most, sharpness = softness * reach, 1.0 / (stiffness * reach)
         return Load(
             smooth=(float(stretch), 0.0, 0.0, 0.0),
-            give=np.array([[most, sharpness, stiffness, 0.0]]),
+            give=np.array([[most, sharpness, stiffness, *(centre or [0.0])]]),
         )
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
@@ -74,4 +82,12 @@ class Compliance(Term):
         if self.form == "toe":
             starts = ((0.4, 0.1, 0.2), (0.2, 0.2, 0.2), (0.2, 0.4, 0.2), (0.2, 0.2, 0.1))
             return np.array([[s, r * half, 0.0, k] for s, r, k in starts])
-        return np.array([[0.1, r * half, 0.0, 0.1] for r in (0.05, 0.12, 0.25, 0.5)])
+        reaches = (0.05, 0.12, 0.25, 0.5) if self.form == "wire" else (0.1, 0.3)
+        wire = [[0.1, r * half, 0.0, 0.1] for r in reaches]
+        if self.form == "wire":
+            return np.array(wire)
+        middle = around.angle_low + half
+        return np.array([[*w, middle + c * half] for w in wire for c in (-0.3, -0.1, 0.1, 0.3)])
+
+
+OFF_HOME = "off home"

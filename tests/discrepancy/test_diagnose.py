@@ -70,6 +70,11 @@ def test_one_hidden_term_is_named_with_its_parameter(hidden, parameter, truth):
     assert diagnosis.physics[0].heldout_rmse_without > 1.3 * diagnosis.after.heldout_rmse
 
 
+def test_a_wire_that_is_loose_off_home_is_neither_slack_nor_a_ripple():
+    loose = {"softness": 0.2, "reach": 6.0, "stretch": 0.0, "stiffness": 0.2, "centre": 9.0}
+    assert names(diagnosed(recorded({"compliance/off home": loose}, seed=4))) == {"compliance"}
+
+
 def test_two_hidden_terms_are_both_named():
     hidden = {"backlash": {"width": 3.0}, "contact/lower": {"stiffness": 1.0, "angle": -16.0}}
     assert names(diagnosed(recorded(hidden, seed=2))) == {"backlash", "contact"}
