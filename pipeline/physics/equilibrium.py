@@ -11,7 +11,6 @@ from numba import njit
 
 from pipeline.physics.decay import decayed
 from pipeline.physics.pre_sliding import bristled
-from pipeline.physics.sliders import NEVER, ends_of, forces_of, line_of, turn
 from pipeline.physics.tabled import FAR, inlined, ramped, waved
 
 SWEEPS, PATIENCE = 40, 8
@@ -19,6 +18,7 @@ PRECISE = 1e-6
 LONG, BRIEF, SOFTEST = 300.0, 1e-9, 0.05
 LEAST_PULL, LEAST_SLOPE = 1e-12, 1e-3
 SAFE = 16.0
+NEVER = 1e300
 SAME_DWELL = 1e-9
 EVEN = 0.8
 FIRST_PART, GROWTH = 0.04, 1.6
@@ -180,6 +180,44 @@ def _far_from_edges(at, asked, stiff, pull, tangent, bends):  # type: ignore[no-
 
 
 @inlined
+def _line(way, at, ends, slip):  # type: ignore[no-untyped-def]
+    """Sliders as one spring for motion this way from `at`: way, stiffness, load at 0, its end."""
+    stiff, load, near = 0.0, 0.0, way * NEVER
+    for i in range(slip.shape[0]):
+        load += slip[i, 1] if way > 0.0 else -slip[i, 2]
+        if way * (ends[i] - at) > 0.0:
+            stiff += slip[i, 0]
+            load -= slip[i, 0] * ends[i]
+            near = min(near, ends[i]) if way > 0.0 else max(near, ends[i])
+    return way, stiff, load, near
+
+
+@inlined
+def _turn(way, at, ends, slip):  # type: ignore[no-untyped-def]
+    """Where each slider will slide (in place) when a joint that came this way to `at` turns."""
+    for i in range(slip.shape[0]):
+        reached = max(ends[i], at) if way > 0.0 else min(ends[i], at)
+        if slip[i, 0] > 0.0:
+            ends[i] = reached - way * (slip[i, 1] + slip[i, 2]) / slip[i, 0]
+
+
+@inlined
+def _ends(way, at, forces, slip):  # type: ignore[no-untyped-def]
+    """Forces of the sliders at an angle become the angles at which they slide (in place)."""
+    for i in range(slip.shape[0]):
+        limit = slip[i, 1] if way > 0.0 else -slip[i, 2]
+        forces[i] = at + (limit - forces[i]) / slip[i, 0] if slip[i, 0] > 0.0 else at
+
+
+@inlined
+def _forces(way, at, ends, slip):  # type: ignore[no-untyped-def]
+    """The other way round."""
+    for i in range(slip.shape[0]):
+        limit = slip[i, 1] if way > 0.0 else -slip[i, 2]
+        ends[i] = limit - way * slip[i, 0] * max(way * (ends[i] - at), 0.0)
+
+
+@inlined
 def _moved(at, joint, asked, stiff, pull, bends, edged, slip, ends):  # type: ignore[no-untyped-def]
     """A joint (angle, tangent, bank of sliders) that balances anew: it turns, or sliders slide."""
     theta, tangent, bank = joint
@@ -202,11 +240,11 @@ def _moved(at, joint, asked, stiff, pull, bends, edged, slip, ends):  # type: ig
         if slip.shape[0] == 0:
             break
         if way * (at - near) > 0.0:
-            bank = line_of(way, near, ends, slip)
+            bank = _line(way, near, ends, slip)
         elif way * (at - theta) < 0.0 and not turned:
             turned = True
-            turn(way, theta, ends, slip)
-            bank = line_of(-way, theta, ends, slip)
+            _turn(way, theta, ends, slip)
+            bank = _line(-way, theta, ends, slip)
         else:
             break
     return at, tangent, bank
@@ -320,7 +358,7 @@ def _dwelt(at, joint, asked, free, load, dwell, drag, firm, hold, bends, edged, 
         even = EVEN * began < firm < began / EVEN and taut == _taut(joint[0], asked, bends)
         if whole and not even:
             if joint[2][0] != before[2][0]:
-                turn(joint[2][0], start, ends, slip)
+                _turn(joint[2][0], start, ends, slip)
             at, joint, firm = start, before, began
             whole, wait = False, FIRST_PART * dwell
             continue
@@ -353,8 +391,8 @@ def balance(  # type: ignore[no-untyped-def]
         joint, alone = (asked, STRAIGHT, joint[2]), _without_bristles(bends)
         joint = _moved(asked, joint, q[0], softest, pushed[0], alone, False, slip[:0], ends)
         far[:] = joint[0]
-    ends_of(1.0, joint[0], ends, slip)
-    joint = (joint[0], joint[1], line_of(1.0, joint[0], ends, slip))
+    _ends(1.0, joint[0], ends, slip)
+    joint = (joint[0], joint[1], _line(1.0, joint[0], ends, slip))
     eased, relaxed, gone[:, 1] = -1.0, -1.0, NEVER
     edged = _edged(bends)
     for t in range(q.size):
@@ -380,5 +418,5 @@ def balance(  # type: ignore[no-untyped-def]
             _bend(joint[0] - last, bends)
             firm = max(_stiffness(joint[1], bends) - hold[2], SOFTEST)
         out[t] = joint[0]
-    forces_of(joint[2][0], joint[0], ends, slip)
+    _forces(joint[2][0], joint[0], ends, slip)
     state[0], state[1], state[-1] = asked, joint[0], firm
