@@ -11,7 +11,7 @@ from numba import njit
 
 from pipeline.physics.decay import decayed
 from pipeline.physics.pre_sliding import bristled
-from pipeline.physics.tabled import FAR, inlined, ramped, waved
+from pipeline.physics.tabled import inlined, ramped, waved
 
 SWEEPS, PATIENCE = 40, 8
 PRECISE = 1e-6
@@ -145,41 +145,6 @@ def _rested(at, start, asked, stiff, pull, tangent, bends):  # type: ignore[no-u
 
 
 @inlined
-def _edged(bends):  # type: ignore[no-untyped-def]
-    """Whether nothing but edges (stops, contacts, slack) bends the balance."""
-    if bends is None:
-        return False
-    cubic, gravity, _, _, _, give, loose, pretension, bristle, _ = bends
-    soft = give.shape[0] + bristle.shape[0] > 0 or loose[5] > 0.0
-    return cubic == 0.0 and gravity == 0.0 and pretension == NEVER and not soft
-
-
-@inlined
-def _far_from_edges(at, asked, stiff, pull, tangent, bends):  # type: ignore[no-untyped-def]
-    """The same between edges, where all is a line; and whether no edge is near at all."""
-    contact, loose = bends[4], bends[6]
-    half, sharpness, own, firm, centre = loose[0], loose[1], loose[2], loose[3], loose[4]
-    lost, taut, far = 0.0, 1.0, True
-    if half > 0.0:
-        stretch = own * (at - centre) + asked - at
-        lost, beyond = np.copysign(half, stretch), (abs(stretch) - half) * sharpness
-        far = abs(beyond) >= FAR
-        taut = 1.0 if beyond > 0.0 else LEAST_PULL
-    slope = firm + stiff + taut * (1.0 - own)
-    if slope != tangent[0]:
-        yielding = 1.0 / slope
-        tangent = (slope, yielding, taut * yielding, yielding)
-    at = (taut * (asked - lost) + pull + (firm - taut * own) * centre) * tangent[1]
-    if half > 0.0:
-        stretch = own * (at - centre) + asked - at
-        beyond = (stretch if lost > 0.0 else -stretch) - half
-        far &= beyond * sharpness >= FAR if taut == 1.0 else abs(stretch) <= half - FAR / sharpness
-    for j in range(contact.shape[0]):
-        far &= contact[j, 0] * (at - contact[j, 1]) <= -FAR
-    return at, tangent, far and slope > LEAST_SLOPE
-
-
-@inlined
 def _line(way, at, ends, slip):  # type: ignore[no-untyped-def]
     """Sliders as one spring for motion this way from `at`: way, stiffness, load at 0, its end."""
     stiff, load, near = 0.0, 0.0, way * NEVER
@@ -218,7 +183,7 @@ def _forces(way, at, ends, slip):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _moved(at, joint, asked, stiff, pull, bends, edged, slip, ends):  # type: ignore[no-untyped-def]
+def _moved(at, joint, asked, stiff, pull, bends, slip, ends):  # type: ignore[no-untyped-def]
     """A joint (angle, tangent, bank of sliders) that balances anew: it turns, or sliders slide."""
     theta, tangent, bank = joint
     turned = False
@@ -230,13 +195,7 @@ def _moved(at, joint, asked, stiff, pull, bends, edged, slip, ends):  # type: ig
                 tangent = (slope, 1.0 / slope, 1.0 / slope, 1.0 / slope)
             at = (asked + pull - held) * tangent[1]
         else:
-            free, far = stiff + stuck, False
-            if edged:
-                there, steady, far = _far_from_edges(at, asked, free, pull - held, tangent, bends)
-            if far:
-                at, tangent = there, steady
-            else:
-                at, tangent = _rested(at, theta, asked, free, pull - held, tangent, bends)
+            at, tangent = _rested(at, theta, asked, stiff + stuck, pull - held, tangent, bends)
         if slip.shape[0] == 0:
             break
         if way * (at - near) > 0.0:
@@ -340,7 +299,7 @@ def _taut(at, asked, bends):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _dwelt(at, joint, asked, free, load, dwell, drag, firm, hold, bends, edged, slip, ends):  # type: ignore[no-untyped-def]
+def _dwelt(at, joint, asked, free, load, dwell, drag, firm, hold, bends, slip, ends):  # type: ignore[no-untyped-def]
     """A joint after a dwell with a dashpot, its own stiffness, how it is held, and its pull.
 
     In one go, or, where its stiffness changes by more than EVEN on the way, or it comes to hang on
@@ -353,7 +312,7 @@ def _dwelt(at, joint, asked, free, load, dwell, drag, firm, hold, bends, edged, 
         start = joint[0]
         hold = _held(firm, wait, drag, hold)
         pull = load + hold[2] * start
-        joint = _moved(at, joint, asked, free + hold[2], pull, bends, edged, slip, ends)
+        joint = _moved(at, joint, asked, free + hold[2], pull, bends, slip, ends)
         firm = max(_stiffness(joint[1], bends) - hold[2], SOFTEST)
         even = EVEN * began < firm < began / EVEN and taut == _taut(joint[0], asked, bends)
         if whole and not even:
@@ -389,32 +348,29 @@ def balance(  # type: ignore[no-untyped-def]
     if fresh:
         asked, firm = q[0] + pushed[0], 1.0
         joint, alone = (asked, STRAIGHT, joint[2]), _without_bristles(bends)
-        joint = _moved(asked, joint, q[0], softest, pushed[0], alone, False, slip[:0], ends)
+        joint = _moved(asked, joint, q[0], softest, pushed[0], alone, slip[:0], ends)
         far[:] = joint[0]
     _ends(1.0, joint[0], ends, slip)
     joint = (joint[0], joint[1], _line(1.0, joint[0], ends, slip))
     eased, relaxed, gone[:, 1] = -1.0, -1.0, NEVER
-    edged = _edged(bends)
     for t in range(q.size):
         stiff, pull = _pulled(softest, pushed[t], far, arm)
         at, last = joint[0] + (q[t] + pushed[t] - asked) * joint[1][2], joint[0]
         asked = q[t] + pushed[t]
         if drag > 0.0:
             joint, firm, hold, pull = _dwelt(
-                at, joint, q[t], stiff, pull, dwell[t], drag, firm, hold, bends, edged, slip, ends
+                at, joint, q[t], stiff, pull, dwell[t], drag, firm, hold, bends, slip, ends
             )
             stiff += hold[2]
         else:
-            joint = _moved(at, joint, q[t], stiff, pull, bends, edged, slip, ends)
+            joint = _moved(at, joint, q[t], stiff, pull, bends, slip, ends)
             _bend(joint[0] - last, bends)
         if arms > 0:
             if eased != joint[1][3] or abs(dwell[t] - relaxed) > SAME_DWELL * relaxed:
                 eased, relaxed = joint[1][3], dwell[t]
                 _let_go(eased, relaxed, arm, gone)
             late, last = _relax(joint[0], far, arm, gone), joint[0]
-            joint = _moved(
-                last + late * eased, joint, q[t], stiff, pull + late, bends, edged, slip, ends
-            )
+            joint = _moved(last + late * eased, joint, q[t], stiff, pull + late, bends, slip, ends)
             _bend(joint[0] - last, bends)
             firm = max(_stiffness(joint[1], bends) - hold[2], SOFTEST)
         out[t] = joint[0]

@@ -336,12 +336,3 @@ def test_a_motor_that_is_late_moves_the_play_behind_it():
     late = Motion(answer(motion, lag), time_s, motion.cycle)
     play = Piece(Backlash(), np.array([4.0]))
     np.testing.assert_allclose(answer(motion, play, lag), answer(late, play))
-
-
-@pytest.mark.parametrize(
-    "late", [Piece(Friction(), np.array([5.0, 4.0, 0.7])), Piece(Creep(), np.array([0.2, 9.0]))]
-)
-def test_a_stop_that_is_never_near_changes_nothing(late):
-    motion = triangle(2)
-    far = Piece(EndStop("upper"), np.array([100.0, 0.3, 0.02]))
-    np.testing.assert_allclose(answer(motion, late, far), answer(motion, late), atol=1e-12)
