@@ -8,7 +8,7 @@ import numpy as np
 from numba import njit
 
 EDGE = 10
-REACH = 1.1
+REACH = 1.2
 
 
 class Curve(Protocol):
@@ -111,10 +111,9 @@ class Beside:
 class SmoothError:
     """A smooth error of a curve: Legendre polynomials of orders 2 to 4 over its range.
 
-    middle, half_range: of the angle. weights: size of each at an end of the range; from a tenth of
-    the half-range beyond its ends on, where the fourth order has doubled, it stays as it is.
-    beside: other commands, orders 1 to 4 of each; their weights, (3 + 4 per command,) in all,
-    follow in their order.
+    middle, half_range: of the angle. weights: size of each at an end of the range; a fifth of the
+    range beyond its ends it stays as it is there. beside: other commands, orders 1 to 4 of each;
+    their weights, (3 + 4 per command,) in all, follow in their order.
     """
 
     middle: float
