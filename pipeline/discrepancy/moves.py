@@ -18,6 +18,8 @@ from pipeline.discrepancy.screen import screen, started
 from pipeline.physics.capstan_friction import CapstanFriction
 from pipeline.physics.catalogue import BEND, SHEATH_FORCES
 from pipeline.physics.compliance import Compliance
+from pipeline.physics.contact import Contact
+from pipeline.physics.end_stop import EndStop
 from pipeline.physics.friction import Friction
 from pipeline.physics.mechanism import Piece
 from pipeline.physics.response_lag import ResponseLag
@@ -82,6 +84,31 @@ def lagging(search: Search, choice: Choice) -> Choice:
             fit = improve(evaluate(choice.fit.ground, [*rest, lag]))
             return min(choice, search.weighed(fit, choice.place), key=lambda c: c.score)
     return choice
+
+
+def stopped(search: Search, choice: Choice) -> Choice:
+    """The choice with end stops in place of all contacts as stiff as one can be, if better.
+
+    Where a stop is met beside other terms that were fitted to the contact, no swap leads there. A
+    contact on the other side may prove as stiff only then.
+    """
+    fit = choice.fit
+    motion, around = fit.ground.problem.motion, fit.ground.problem.around
+    for contact in choice.fit.pieces:
+        if isinstance(contact.term, Contact) and contact.term.stiffest(contact.values):
+            stop = EndStop("upper" if contact.term.side > 0.0 else "lower")
+            if (stop.name, stop.form) in fit.key:
+                return choice
+            rest = [p for p in fit.pieces if p.term is not contact.term]
+            starts = stop.candidates(motion, around)
+            met = np.vstack([starts, [contact.values[1], *starts[0, 1:]]])
+            trials = [evaluate(fit.ground, [*rest, Piece(stop, values)]) for values in met]
+            best = sorted(trials, key=lambda t: t.cost)[:3]
+            fit = min((improve(t, ITERATIONS) for t in best), key=lambda f: f.cost)
+    if fit is choice.fit:
+        return choice
+    trial = search.weighed(fit, choice.place)
+    return stopped(search, trial) if trial.score < choice.score else choice
 
 
 def tautened(search: Search, choice: Choice) -> Choice:

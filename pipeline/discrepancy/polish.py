@@ -2,7 +2,15 @@
 
 from pipeline.discrepancy.choose import Choice, Key, Search, best_of_each, extended, grown
 from pipeline.discrepancy.fit import evaluate, improve
-from pipeline.discrepancy.moves import lagging, loosened, merged, sheathed, tautened, unpromised
+from pipeline.discrepancy.moves import (
+    lagging,
+    loosened,
+    merged,
+    sheathed,
+    stopped,
+    tautened,
+    unpromised,
+)
 
 WORTH = 150.0
 
@@ -20,9 +28,9 @@ def polished(search: Search, choices: list[Choice]) -> list[Choice]:
         (c for c in found if set(c.fit.names) == set(best.fit.names)), key=lambda c: c.score
     )
     sheath = sheathed(search, plain)
-    if sheath is plain:
-        return found
-    return best_of_each([*found, *_polished(search, [*choices, sheath])])
+    if sheath is not plain:
+        found = best_of_each([*found, *_polished(search, [*choices, sheath])])
+    return best_of_each([*found, stopped(search, found[0])])
 
 
 def _polished(search: Search, choices: list[Choice]) -> list[Choice]:

@@ -10,6 +10,7 @@ from pipeline.discrepancy.problem import Problem
 from pipeline.discrepancy.ties import (
     BENDS,
     RIVAL_GAP,
+    as_itself,
     by_names,
     equivalents,
     names,
@@ -29,7 +30,7 @@ def hypotheses_of(
     every = [*explanation.choices, *swapped(explanation, best)]
     near = [c for c in by_names(every) if c.score < best.score + RIVAL_GAP]
     known = {names(c) for c in near}
-    distinct = [c for c in near if c is best or plain(c) == names(c) or plain(c) not in known]
+    distinct = [c for c in near if c is best or as_itself(c, best) or plain(c) not in known]
     if all(c is not best for c in distinct):
         distinct = [best]
     weights = weights_of(distinct)

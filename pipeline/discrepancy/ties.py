@@ -12,6 +12,7 @@ from pipeline.discrepancy.intervals import covariance_of
 from pipeline.discrepancy.problem import Problem
 from pipeline.physics.catalogue import terms
 from pipeline.physics.compliance import Compliance
+from pipeline.physics.contact import Contact
 from pipeline.physics.friction import Friction
 from pipeline.physics.mechanism import Piece
 from pipeline.physics.term import Term
@@ -73,7 +74,7 @@ def standing(name: str, best: Choice, choices: list[Choice], problem: Problem) -
     for choice in distinct:
         other = names(choice) - rest
         swapped = rest <= names(choice) and len(other) == 1 and name not in other
-        if swapped and (name in BENDS or plain(choice) == names(choice)):
+        if swapped and (name in BENDS or as_itself(choice, best)):
             gaps.setdefault(next(iter(other)), choice.score - best.score)
     tied = [n for n, gap in gaps.items() if gap < TIE]
     known = [n for n in equivalents(name, problem) if n not in names(best) | set(tied)]
@@ -89,6 +90,14 @@ def plain(choice: Choice) -> frozenset[str]:
     within less than a step and no more hung slack.
     """
     return frozenset(plainly(choice.fit))
+
+
+def as_itself(choice: Choice, best: Choice) -> bool:
+    """Whether a choice is no other one in disguise, as a contact as stiff as can be is a stop."""
+    stop = "end_stop" in names(best) and any(
+        isinstance(p.term, Contact) and p.term.stiffest(p.values) for p in choice.fit.pieces
+    )
+    return plain(choice) == names(choice) and not stop
 
 
 def plainly(fit: Fit) -> list[str]:

@@ -46,6 +46,10 @@ class Contact(Term):
             return own
         return (*own, pretension(around, 1e-3))
 
+    def stiffest(self, values: np.ndarray) -> bool:
+        """Whether it is as stiff as a contact can be; what is stiffer is an end stop."""
+        return bool(values[0] >= STIFFEST)
+
     def load(self, values: np.ndarray, motion: Motion, state: np.ndarray | None) -> Load:
         stiffness, angle, skin = values[:3]
         contact = np.array([[self.side / skin, angle, self.side * stiffness * skin]])

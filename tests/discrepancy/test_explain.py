@@ -8,8 +8,9 @@ from pipeline.config import DiagnosisConfig
 from pipeline.discrepancy.contested import contested, levelled, rival_names
 from pipeline.discrepancy.explain import explain, refuted, searched_wide
 from pipeline.discrepancy.fit import evaluate, improve
-from pipeline.discrepancy.moves import loosened, tautened
+from pipeline.discrepancy.moves import loosened, stopped, tautened
 from pipeline.discrepancy.problem import pose_problem
+from pipeline.discrepancy.ties import as_itself
 from pipeline.physics.catalogue import term
 from pipeline.physics.mechanism import Piece
 from tests.discrepancy.made import recorded
@@ -102,6 +103,24 @@ def test_slack_in_whose_middle_the_wires_still_pull_is_a_toe():
     assert set(taut.fit.names) == {"friction", "compliance"}
     assert taut.score < soft.score - 20.0
     assert tautened(search, taut) is taut
+
+
+def test_a_contact_that_is_as_stiff_as_can_be_is_an_end_stop():
+    stop = {"angle": 20.0, "softness": 0.05, "give": 0.02}
+    recording = recorded({"end_stop/upper": stop, "backlash": {"width": 3.0}}, seed=7)
+    simulated = recording.values("pitch_angle_sim_deg")
+    found = explain(pose_problem(DiagnosisConfig(), recording, "pitch_angle_deg", simulated))
+    search, ground = found.search, found.choices[0].fit.ground
+    play = Piece(term("backlash"), np.array([3.0]))
+    touched = Piece(term("contact", "upper"), np.array([4.0, 19.0, 0.3]))
+    fit = improve(evaluate(ground, (touched, play)), 40)
+    harder = search.weighed(fit, (0, 0, 0))
+    best = stopped(search, harder)
+    assert as_itself(harder, harder)
+    assert not as_itself(harder, best)
+    assert set(best.fit.names) == {"end_stop", "backlash"}
+    assert best.score < harder.score
+    assert stopped(search, best) is best
 
 
 def test_a_near_rival_is_weighed_in_the_form_that_suits_it():
