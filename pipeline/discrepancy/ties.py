@@ -87,7 +87,7 @@ def plain(choice: Choice) -> frozenset[str]:
 
     A play whose growth is not worth a parameter, or whose corners are surely sharp, is backlash; a
     dead zone whose width is not worth one is wire that gives way at first, and wire that gives way
-    within less than a step and no more hung slack.
+    within less than a step and no more hung slack, but not a toe, which hardens on the way.
     """
     return frozenset(plainly(choice.fit))
 
@@ -110,7 +110,7 @@ def plainly(fit: Fit) -> list[str]:
             hidden = bool(piece.values[0] ** 2 <= worth * covariance_of(fit)[k, k])
         elif isinstance(piece.term, Friction):
             hidden = sharp(fit, i)
-        elif isinstance(piece.term, Compliance) and piece.term.form != "joint":
+        elif isinstance(piece.term, Compliance) and piece.term.form not in ("joint", "toe"):
             reach, stretch, stiffness = piece.values[1:4]
             hidden = bool(reach * stiffness / (stiffness + stretch) < step_of(fit, piece.term))
         found.append(DISGUISES[name] if hidden else name)

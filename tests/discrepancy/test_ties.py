@@ -36,3 +36,8 @@ def test_wire_that_gives_way_within_a_step_and_no_more_hung_slack(ground, stretc
     """A free joint would take up the same toe over 1.6 deg, beyond a step of 1.3 deg."""
     wire = Piece(term("compliance", "wire"), np.array([0.3, 1.6, stretch, 0.006]))
     assert plainly(evaluate(ground, [wire])) == [name]
+
+
+def test_a_toe_hung_no_slack_as_it_hardens_on_the_way(ground):
+    toe = Piece(term("compliance", "toe"), np.array([0.23, 3.0, 0.018, 0.003]))
+    assert plainly(evaluate(ground, [toe])) == ["compliance"]
