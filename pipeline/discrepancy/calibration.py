@@ -12,6 +12,8 @@ from pipeline.physics.mechanism import Trace
 
 SHAPES = 3
 FAR_OFF = 5.0  # tolerances beyond which a calibration refutes what was declared
+ABSURD = 2.0  # a gain off by more than this factor speaks of units or wiring
+FOLLOWS = 0.7  # share of the variance from which on a line is a gain
 
 
 @dataclass(frozen=True)
@@ -66,6 +68,18 @@ def nuisances_of(tolerance: ToleranceConfig, angle_low: float, angle_span: float
     if tolerance.shape > 0.0:
         deviations += SHAPES * [tolerance.shape]
     return Nuisances(angle_low + half, half, np.array(deviations))
+
+
+def absurd_gain(gain: float, tolerance: ToleranceConfig) -> bool:
+    """Whether no calibration has such a gain: far off what was declared, and beyond ABSURD."""
+    return not (abs(gain - 1.0) < FAR_OFF * tolerance.gain or 1.0 / ABSURD < gain < ABSURD)
+
+
+def gain_between(simulated: np.ndarray, measured: np.ndarray) -> float:
+    """The slope of a line of measured over simulated values (n,); 1 where none follows them."""
+    spread = np.cov(simulated, measured)
+    followed = spread[0, 1] ** 2 > FOLLOWS * spread[0, 0] * spread[1, 1]
+    return float(spread[0, 1] / spread[0, 0]) if followed else 1.0
 
 
 def with_smooth_error(

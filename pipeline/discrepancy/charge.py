@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from pipeline.discrepancy.calibration import FAR_OFF
+from pipeline.discrepancy.calibration import FAR_OFF, absurd_gain
 from pipeline.discrepancy.fit import Fit, Ground, parameters_of
 from pipeline.physics.term import Term
 
@@ -12,7 +12,6 @@ AT_BOUND = 1.0
 VOID = 40.0
 UNLIKELY = {"lost_steps": 3.0, "contact": 2.0, "drift/wave": 6.0}
 SIDED = ("contact", "end_stop")
-ABSURD = 2.0
 
 
 def complexity(fit: Fit) -> float:
@@ -55,9 +54,8 @@ def absurd_calibration(fit: Fit) -> str | None:
     around = fit.ground.problem.around
     gain, offset = fit.nuisance[:2]
     problem = fit.ground.problem
-    allowed = abs(gain - 1.0) < FAR_OFF * problem.tolerance.gain
     turned = gain <= 0.0 and problem.derivatives is None
-    if turned or not (allowed or 1.0 / ABSURD < gain < ABSURD):
+    if turned or absurd_gain(float(gain), problem.tolerance):
         return f"the gain, which is {gain:.3g}"
     if abs(offset) > max(around.angle_span, FAR_OFF * fit.ground.problem.tolerance.offset):
         return f"the offset, which is {offset:.3g} {around.angle_unit}"

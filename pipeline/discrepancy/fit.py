@@ -6,7 +6,13 @@ from functools import cached_property
 
 import numpy as np
 
-from pipeline.discrepancy.calibration import FAR_OFF, Nuisances, nuisances_of
+from pipeline.discrepancy.calibration import (
+    FAR_OFF,
+    Nuisances,
+    absurd_gain,
+    gain_between,
+    nuisances_of,
+)
 from pipeline.discrepancy.noise import NoiseModel, whitened
 from pipeline.discrepancy.problem import Problem
 from pipeline.physics.mechanism import Mechanism, Piece, Trace
@@ -99,12 +105,16 @@ def ground_of(problem: Problem, noise: NoiseModel, used: np.ndarray) -> Ground:
     """The ground of a problem's fits.
 
     Where the simulation's zero is off by more than FAR_OFF of what was declared, the declaration is
-    refuted, and no term shall bend anything to spare the offset: it may be as large as it is.
+    refuted, and no term shall bend anything to spare the offset: it may be as large as it is. So
+    may a gain that no calibration has.
     """
     around, tolerance = problem.around, problem.tolerance
     off = abs(float(np.median((problem.measured - problem.simulated)[used])))
     if off > FAR_OFF * tolerance.offset:
         tolerance = replace(tolerance, offset=off)
+    gain = gain_between(problem.simulated[used], problem.measured[used])
+    if problem.derivatives is None and absurd_gain(gain, tolerance):
+        tolerance = replace(tolerance, gain=abs(gain - 1.0))
     return Ground(
         problem, noise, used, nuisances_of(tolerance, around.angle_low, around.angle_span)
     )

@@ -183,12 +183,15 @@ def test_held_out_are_every_third_cycle_or_the_last_third():
     assert held(np.zeros(30, dtype=int), known[:30]) == list(range(20, 30))
 
 
-def test_a_wrong_factor_is_no_calibration():
-    recording = recorded({}, seed=1)
-    tenfold = changed(recording, **{SIMULATED: 10.0 * recording.values(SIMULATED)})
-    diagnosis = diagnosed(tenfold).diagnoses[0]
-    assert diagnosis.verdict in ("unknown_physics", "partly_explained")
+@pytest.mark.parametrize("factor", [10.0, 0.1, -1.0])
+def test_a_wrong_factor_is_no_calibration_and_hides_no_play(factor):
+    recording = recorded({"backlash": {"width": 4.0}}, seed=1)
+    scaled = changed(recording, **{SIMULATED: factor * recording.values(SIMULATED)})
+    diagnosis = diagnosed(scaled).diagnoses[0]
+    assert [p.name for p in diagnosis.physics] == ["backlash"]
+    assert diagnosis.verdict == "partly_explained"
     assert "gain" in diagnosis.unexplained.where
+    assert diagnosis.after.heldout_rmse < 1.15 * NOISE
 
 
 def test_a_perfect_simulation_is_no_mismatch():
