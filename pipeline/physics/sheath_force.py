@@ -11,7 +11,7 @@ from pipeline.physics.term import Parameter, Surroundings
 PLACES = 16
 LEAST_PULL = 1e-9
 MOST_STEPS, EXACT = 40, 1e-11
-FAREST_HOME, PUSHED = 20.0, 0.25
+FARTHEST_HOME, PUSHED = 20.0, 0.25
 
 
 @njit(cache=True)
@@ -101,7 +101,7 @@ class SheathForce(ForceTerm):
             size("stiffness", per(around, 0), 4.0 * around.angle_span / span, around, usual=0.25),
             *own,
             Parameter("pretension", around.drive_unit, home + 1e-3 * span,
-                      home + FAREST_HOME * span, home + 0.3 * span, 0.5 * span),
+                      home + FARTHEST_HOME * span, home + 0.3 * span, 0.5 * span),
         )  # fmt: skip
 
     def force(
