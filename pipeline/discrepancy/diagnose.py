@@ -32,7 +32,7 @@ from pipeline.discrepancy.result import (
     Unexplained,
 )
 from pipeline.discrepancy.rivals import hypotheses_of, mechanism_of
-from pipeline.discrepancy.structure import Structure, structure_of
+from pipeline.discrepancy.structure import Structure, share_left, structure_of
 from pipeline.discrepancy.thinning import thinned
 from pipeline.discrepancy.ties import Standing, standing, undisguised
 from pipeline.discrepancy.verdict import fewer, follows, sure_of_slow
@@ -67,7 +67,8 @@ def diagnose_measurement(
         model = going_on(model, problem, explanation, best)
     evidence = evidence_of(recording, measurement, problem, explanation, model, hypotheses)
     physics = () if accurate else named_physics(explanation, best, evidence, structure, covariance)
-    noise = model.noise if structure.wandering is None else best.fit.ground.noise
+    noise = reported_noise(explanation, best, structure, model)
+    evidence = replace(evidence, noise=noise)
     before, after = errors(evidence, evidence.before), errors(evidence, evidence.after)
     verdict = verdict_of(explanation, best, physics, structure)
     diagnosis = Diagnosis(
@@ -112,7 +113,23 @@ def decided(problem: Problem, explanation: Explanation) -> tuple[Choice, Structu
         best = foretold_part(explanation.choices, best)
     elif structure.found:
         best = fewer(explanation, best)
+    if structure.found:
+        share = max(structure.share, share_left(explanation, best))
+        structure = replace(structure, share=share)
     return best, structure, accurate
+
+
+def reported_noise(
+    explanation: Explanation, best: Choice, structure: Structure, model: CorrectedModel
+) -> NoiseModel:
+    """The noise, without a structured rest that the fit had to take for noise.
+
+    Then it is that of the repeats, if there are any and they are quieter.
+    """
+    noise = model.noise if structure.wandering is None else best.fit.ground.noise
+    if structure.found and explanation.prior.repeats > 0:
+        return min(noise, explanation.prior.model, key=lambda n: n.deviation)
+    return noise
 
 
 def calibration_of(problem: Problem, choice: Choice) -> Calibration:

@@ -159,6 +159,14 @@ def hum(choice: Choice) -> tuple[float, float]:
     return float(near[best] / max(power.sum(), 1e-300)), len(choice.fit.innovations) / (best + 1.0)
 
 
+def share_left(explanation: Explanation, choice: Choice) -> float:
+    """The share of the mismatch's variance that a choice leaves beyond the noise of repeats."""
+    problem = explanation.problem
+    residual = (problem.measured - choice.fit.predicted)[explanation.used]
+    beyond = float(np.mean(residual**2)) - explanation.prior.model.deviation**2
+    return min(max(beyond, 0.0) / mismatch_variance(explanation), 1.0)
+
+
 def mismatch_variance(explanation: Explanation) -> float:
     """Variance of measurement minus simulation on training rows, about its mean."""
     problem = explanation.problem

@@ -138,6 +138,16 @@ def test_a_zero_that_walks_is_no_drift_until_the_odds_are_two_to_one():
     assert result.diagnoses[0].verdict == "no_mismatch"
 
 
+def test_what_is_left_without_a_name_is_measured_against_the_noise_of_repeats():
+    recording = recorded({}, seed=19)
+    command = recording.values("pitch_command_deg")
+    jump = np.where((np.gradient(command) > 0) & (command > 10.0), 3.0, 0.0)
+    (found,) = diagnosed(changed(recording, **{ANGLE: recording.values(ANGLE) + jump})).diagnoses
+    assert (found.verdict, found.physics) == ("unknown_physics", ())
+    assert found.noise == pytest.approx(NOISE, rel=0.1)
+    assert found.unexplained.share > 0.6
+
+
 def test_stale_frames_are_told_from_mistaken_ones():
     recording = recorded({}, seed=18)
     angle = recording.values(ANGLE)
