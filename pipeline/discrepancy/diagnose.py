@@ -8,6 +8,7 @@ import numpy as np
 from pipeline.discrepancy.accuracy import calibrated_alone, within_accuracy
 from pipeline.discrepancy.charge import absurd_calibration
 from pipeline.discrepancy.choose import Choice
+from pipeline.discrepancy.cycle_zero import wanders_by_cycle, zero_of_each_cycle
 from pipeline.discrepancy.explain import Explanation, explain, not_excited
 from pipeline.discrepancy.fit import evaluate, improve
 from pipeline.discrepancy.force_delay import delay_of, late
@@ -38,6 +39,7 @@ from pipeline.discrepancy.ties import Standing, standing, undisguised
 from pipeline.discrepancy.verdict import fewer, follows, sure_of_slow
 from pipeline.discrepancy.zero import zero_at_end
 from pipeline.physics.coupling import Coupling
+from pipeline.physics.drift import Drift
 from pipeline.recording import Recording
 
 SUREST = 0.98
@@ -68,6 +70,8 @@ def diagnose_measurement(
     evidence = evidence_of(recording, measurement, problem, explanation, model, hypotheses)
     physics = () if accurate else named_physics(explanation, best, evidence, structure, covariance)
     noise = reported_noise(explanation, best, structure, model)
+    if wanders_by_cycle(best) and any(p.name == Drift.name for p in physics):
+        noise = replace(noise, jitter=0.0)
     evidence = replace(evidence, noise=noise)
     before, after = errors(evidence, evidence.before), errors(evidence, evidence.after)
     verdict = verdict_of(explanation, best, physics, structure)
@@ -263,6 +267,8 @@ def named_physics(
     again = stale_now_and_then(problem, evidence)
     if again is not None and again.name not in out:
         out[again.name] = again
+    if problem.motion.kinetics is None and not structure.found and wanders_by_cycle(best):
+        out[Drift.name] = zero_of_each_cycle(problem, best, evidence)
     mistaken = None if problem.motion.kinetics else mistaken_frames(explanation)
     if mistaken is not None and not structure.found:
         all_rows = np.isfinite(evidence.measured) & evidence.heldout

@@ -10,7 +10,7 @@ from pipeline.discrepancy.noise import NoiseModel, whitened
 from pipeline.discrepancy.noise_learning import NoisePrior
 from pipeline.discrepancy.problem import Problem
 
-JITTERS = (0.0, 0.08, 0.16, 0.3, 0.6, 1.2)
+JITTERS = (0.0, 0.08, 0.16, 0.3, 0.6, 1.2, 2.4, 4.8)
 WALKS = (0.0, 0.004, 0.01, 0.017, 0.028, 0.045, 0.08, 0.15)
 SHAPES = ((0.0, 0.0), (1.0, 0.35), (1.0, 0.5), (1.0, 0.65), (1.0, 0.78), (0.5, 0.8))
 SETTLED = (0.5, 0.9, 0.97, 0.99, 0.997)

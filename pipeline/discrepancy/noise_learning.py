@@ -10,6 +10,7 @@ from scipy.optimize import minimize
 from pipeline.discrepancy.counts import quantum_of
 from pipeline.discrepancy.force_noise import noise_of_force
 from pipeline.discrepancy.noise import NoiseModel, whitened
+from pipeline.discrepancy.outliers import isolated, robust_deviation
 from pipeline.discrepancy.problem import Problem
 from pipeline.discrepancy.repeats import repeated_cycles
 from pipeline.physics.motion import Motion
@@ -96,7 +97,7 @@ def contrasts(residual: np.ndarray, rows: np.ndarray, finest: float) -> list[np.
     Steps at which the same repeats are measured go together, NaN elsewhere, each with its own mean
     taken off: another set of repeats has another level.
     """
-    values = np.where(rows >= 0, residual[rows], np.nan)
+    values = unmistaken(np.where(rows >= 0, residual[rows], np.nan), finest)
     number = np.max(rows, axis=1).astype(float)
     number = (number - number.mean()) / max(float(np.ptp(number)), 1e-9)
     have = np.isfinite(values)
@@ -113,6 +114,19 @@ def contrasts(residual: np.ndarray, rows: np.ndarray, finest: float) -> list[np.
             series[steps] = free[:, j] @ values[np.ix_(pattern, steps)]
             out += [part - np.nanmean(part) for part in unbroken(series, finest)]
     return out
+
+
+def unmistaken(values: np.ndarray, finest: float) -> np.ndarray:
+    """Values (repeats, steps), NaN where one stands off from its cycle as no repeat does.
+
+    Every contrast takes a part of each mistake: few in each cycle are many in all.
+    """
+    known = np.isfinite(values)
+    some = known.any(axis=0)
+    off = np.full(values.shape, np.nan)
+    off[:, some] = values[:, some] - np.nanmedian(values[:, some], axis=0)
+    lone = [isolated(one, own, finest) for one, own in zip(off, known, strict=True)]
+    return np.where(lone, np.nan, values)
 
 
 def stands_in(motion: Motion, rows: np.ndarray) -> np.ndarray:
@@ -220,8 +234,3 @@ def _likeliest(
     return float(found.fun) + penalty, NoiseModel(
         model.white, model.correlated, model.correlation, 0.0, model.walk
     )
-
-
-def robust_deviation(values: np.ndarray) -> float:
-    """Standard deviation of a Gaussian with the same median absolute deviation."""
-    return float(1.4826 * np.median(np.abs(values - np.median(values)))) if len(values) else 0.0

@@ -4,8 +4,6 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from pipeline.discrepancy.noise_learning import robust_deviation
-
 ISOLATED = 5.0
 RETURNS, FEWEST_REPEATS = 0.5, 3
 FEWEST_KIN = 4
@@ -69,3 +67,8 @@ def returning(residual: np.ndarray, repeats: Sequence[np.ndarray]) -> np.ndarray
         again = values[:, steps] * usual > RETURNS * values[:, steps] ** 2
         out[rows[:, steps][again & agree]] = True
     return out
+
+
+def robust_deviation(values: np.ndarray) -> float:
+    """Standard deviation of a Gaussian with the same median absolute deviation."""
+    return float(1.4826 * np.median(np.abs(values - np.median(values)))) if len(values) else 0.0

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from pipeline.discrepancy.choose import Choice
+from pipeline.discrepancy.cycle_zero import about_each_zero, wanders_by_cycle
 from pipeline.discrepancy.explain import Explanation, settled_rows
 from pipeline.discrepancy.intervals import undated
 from pipeline.discrepancy.outliers import isolated
@@ -36,11 +37,14 @@ def disproved(
     off: (n,) measurement minus that prediction, over all samples of the problem. Lone rows, and
     those between which a slip may lie, are not counted. The noise that goes with the fit may walk,
     and so take for noise what follows the commands slowly: then a slow part that comes back to its
-    level is surely likelier than a walk of any size (`wander.py`). Of a force against motion, whose
-    rest is slow in any case, that is not asked.
+    level is surely likelier than a walk of any size (`wander.py`). Where each cycle has another
+    zero, that is taken off. Of a force against motion, whose rest is slow in any case, that is not
+    asked.
     """
     lone = isolated(off, problem.train, explanation.prior.finest)
     counted = ~lone & ~undated(choice.fit, problem.motion.time_s)
+    if wanders_by_cycle(choice):
+        off = about_each_zero(off, problem.cycle, counted & np.isfinite(off))
     if refuted(problem, off, counted):
         return replace(structure, found=True, where=HELDOUT)
     if problem.derivatives is not None or rounded(explanation, choice):

@@ -296,6 +296,20 @@ def test_several_measurements_give_one_entry_each_in_plain_json():
     }  # fmt: skip
 
 
+@pytest.mark.parametrize(("size", "found"), [(0.1, set()), (0.5, {"drift"})])
+def test_a_zero_that_wanders_from_cycle_to_cycle_is_a_drift_where_it_exceeds_the_noise(size, found):
+    whole = recorded({}, cycles=9, seed=5)
+    walk = size * np.cumsum([0.0, 1.0, -1.5, -1.0, 2.0, 0.5, -1.5, 1.5, 0.5])
+    angle = whole.samples[ANGLE] + walk[whole.samples["cycle"]]
+    result = diagnosed(changed(whole, **{ANGLE: angle}))
+    assert names(result) == found
+    assert result.diagnoses[0].verdict == ("explained" if found else "no_mismatch")
+    if found:
+        deviation = value_of(result, "drift", "deviation")
+        assert deviation.low < np.std(walk, ddof=1) < deviation.high
+        assert result.diagnoses[0].noise == pytest.approx(NOISE, rel=0.1)
+
+
 def test_held_out_samples_refute_what_they_do_not_bear_out():
     recording = recorded({"backlash": {"width": 4.0}}, seed=10)
     cycle, command = recording.values("cycle"), recording.values("pitch_command_deg")

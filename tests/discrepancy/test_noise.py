@@ -79,6 +79,17 @@ def test_physics_is_no_noise(hidden):
     assert prior.model.walk < 0.01
 
 
+def test_mistaken_samples_are_no_noise():
+    rng = np.random.default_rng(7)
+    recording = recorded({"backlash": {"width": 4.0}}, noise=0.2, seed=3)
+    angle = recording.samples["pitch_angle_deg"].to_numpy()
+    mistaken = 3.0 * rng.choice([-1.0, 1.0], len(angle)) * (rng.random(len(angle)) < 0.05)
+    samples = recording.samples.assign(pitch_angle_deg=angle + mistaken)
+    prior = learn_noise(posed(Recording(samples, recording.channels, "simulated")))
+    assert prior.repeats == 4
+    assert prior.model.deviation == pytest.approx(0.2, rel=0.1)
+
+
 def test_a_walk_is_picked_from_any_level():
     rng = np.random.default_rng(4)
     problem = posed(recorded({}, cycles=10))
