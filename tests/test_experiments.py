@@ -130,10 +130,16 @@ def test_the_friction_of_a_real_drive_is_named(tmp_path, monkeypatch):
     assert published.sum() == 3
     assert found.loc[published, "off (%)"].abs().max() < 2.0
     assert abs(found.loc["viscous_friction.asymmetry", "high"]) > 0.1
+    ways = {n: found.loc[f"viscous_friction.damping {n}"] for n in ("rising", "falling")}
+    assert ways["rising"]["high"] < 203.5 < ways["falling"]["low"]
+    ways = {n: found.loc[f"coulomb_friction.force {n}"] for n in ("rising", "falling")}
+    assert max(w["high"] - w["low"] for w in ways.values()) < 3.0  # alike, and surely so
+    assert abs(ways["rising"]["found"] - ways["falling"]["found"]) < 1.0
     assert -0.001 < found.loc["delay", "found"] < 0.0  # a drive holds its command
     assert own["other recording (%)"] < 4.5
     (entry,) = json.loads((tmp_path / "diagnosis.json").read_text())["measurements"]
     assert {p["name"] for p in entry["physics"]} == {"viscous_friction", "coulomb_friction"}
+    assert all(" rising and " in p["says"] for p in entry["physics"])
     assert entry["calibration"]["delay_s"] == pytest.approx(found.loc["delay", "found"])
 
 

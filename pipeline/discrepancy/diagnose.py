@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from pipeline.discrepancy.accuracy import calibrated_alone, within_accuracy
+from pipeline.discrepancy.by_direction import by_direction, said_of_ways
 from pipeline.discrepancy.charge import absurd_calibration
 from pipeline.discrepancy.choose import Choice
 from pipeline.discrepancy.cycle_zero import wanders_by_cycle, zero_of_each_cycle
@@ -255,14 +256,16 @@ def named_physics(
             out[name] = replace(out[name], parameters=(*out[name].parameters, *own), says=says)
             continue
         probability = stands.probability * (0.5 if mopping else 1.0)
+        ways = by_direction(best, piece, explanation.search.family)
+        says = piece.term.sentence(stated(fit, piece), problem.around)
         out[name] = NamedPhysics(
             name=name,
             site=piece.term.site,
             probability=min(probability, SUREST),
-            parameters=own,
+            parameters=(*own, *ways),
             heldout_rmse_without=error_without(best, name, evidence),
             alternatives=stands.alternatives,
-            says=piece.term.sentence(stated(fit, piece), problem.around),
+            says=says + said_of_ways(piece, ways),
         )
     again = stale_now_and_then(problem, evidence)
     if again is not None and again.name not in out:

@@ -6,6 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
+from pipeline.config import ToleranceConfig
 from pipeline.discrepancy.calibration import (
     FAR_OFF,
     Nuisances,
@@ -106,11 +107,13 @@ def ground_of(problem: Problem, noise: NoiseModel, used: np.ndarray) -> Ground:
 
     Where the simulation's zero is off by more than FAR_OFF of what was declared, the declaration is
     refuted, and no term shall bend anything to spare the offset: it may be as large as it is. So
-    may a gain that no calibration has.
+    may a gain that no calibration has. Of a force, which differs by direction where friction does,
+    that refutes no zero that is declared to be trusted more than usual.
     """
     around, tolerance = problem.around, problem.tolerance
     off = abs(float(np.median((problem.measured - problem.simulated)[used])))
-    if off > FAR_OFF * tolerance.offset:
+    trusted = problem.derivatives is not None and tolerance.offset < ToleranceConfig().offset
+    if off > FAR_OFF * tolerance.offset and not trusted:
         tolerance = replace(tolerance, offset=off)
     gain = gain_between(problem.simulated[used], problem.measured[used])
     if problem.derivatives is None and absurd_gain(gain, tolerance):

@@ -45,6 +45,7 @@ class CoulombFriction(ForceTerm):
     """
 
     name = "coulomb_friction"
+    directed = True
     grows: ClassVar = {
         "": ("asymmetric", "spread", "bristle", "smoothed"),
         "smoothed": ("smoothed asymmetric",),

@@ -21,11 +21,13 @@ class ForceTerm(Term):
     """A force of a motion, added to what the simulation says.
 
     Its first parameter is its size; `usual` of the measured force's range is a usual one.
+    directed: whether it resists a motion, so that its two directions may differ.
     """
 
     site: ClassVar[str] = "body"
     adds = True
     usual: ClassVar[float] = 0.05
+    directed: ClassVar[bool] = False
 
     def force(
         self, motion: Motion, kinetics: Kinetics, values: np.ndarray, state: np.ndarray | None

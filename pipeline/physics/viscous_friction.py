@@ -18,6 +18,7 @@ class ViscousFriction(ForceTerm):
     """
 
     name = "viscous_friction"
+    directed = True
     grows: ClassVar = {"": ("asymmetric",)}
     says = "Friction that grows with the speed holds back by {damping}."
 

@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 from scipy.interpolate import CubicSpline
 
-from pipeline.config import Config, DiagnosisConfig, SimulationConfig
+from pipeline.config import Config, DiagnosisConfig, SimulationConfig, ToleranceConfig
 from pipeline.discrepancy.model import as_json, from_json
 from pipeline.errors import UsageError
 from pipeline.physics.force_motion import position_of
@@ -84,8 +84,30 @@ def test_friction_that_differs_by_direction_is_named_and_measured(damper):
     assert diagnosis.noise == pytest.approx(0.5, rel=0.25)
     assert diagnosis.after.heldout_rmse < 0.65 < 20.0 < diagnosis.before.heldout_rmse
     assert "rising and" in diagnosis.physics[0].says
+    assert found["coulomb_friction.force rising"].value == pytest.approx(36.0, abs=0.5)
+    assert found["coulomb_friction.force falling"].value == pytest.approx(24.0, abs=0.5)
     assert "backlash" in diagnosis.not_excited
     assert "viscous_friction" not in diagnosis.not_excited
+
+
+@pytest.mark.parametrize("asymmetry", [0.0, 0.5])
+def test_both_directions_are_told_where_the_zero_is_trusted(asymmetry):
+    t, x, rng = motion(2)
+    v = np.gradient(x, t)
+    force = dahl(t, x, 30.0, 4e-4) + 80.0 * v * (1.0 - asymmetry * np.sign(v))
+    force[rng.random(len(t)) < 0.1] = np.nan
+    trusted = DiagnosisConfig(tolerance=ToleranceConfig(offset=0.01))
+    measured = force + rng.normal(0.0, 0.5, len(t))
+    (diagnosis,) = diagnose(trusted, seen_in_steps(x, measured)).diagnoses
+    found = parameters(diagnosis)
+    for way, sign in (("rising", 1.0), ("falling", -1.0)):
+        damping = found[f"viscous_friction.damping {way}"]
+        assert damping.low < 80.0 * (1.0 - sign * asymmetry) < damping.high < damping.low + 20.0
+        dry = found[f"coulomb_friction.force {way}"]
+        assert dry.low < 30.0 < dry.high < dry.low + 3.0
+    alike = [p.name for p in diagnosis.physics if "explains nothing more" in p.says]
+    assert ("viscous_friction" in alike) == (asymmetry == 0.0)
+    assert abs(diagnosis.calibration.offset) < 0.1
 
 
 def test_its_model_predicts_a_motion_that_it_has_not_seen(damper):
