@@ -31,6 +31,7 @@ from pipeline.physics.term import Term
 from pipeline.recording import reversals_of
 
 MOST_UNSETTLED, MOST_UNREPEATED = 0.3, 0.1
+SAME_RANGE = 0.6
 SAME_LEVEL = 0.05
 TURN_ROWS = 2
 OF_ONE_SHAFT = ("transmission_ripple",)
@@ -244,15 +245,20 @@ def settled_rows(problem: Problem, prior: NoisePrior) -> np.ndarray:
     """Rows from the first reversal on: before it, the mechanism may remember an earlier motion.
 
     All rows where that would cost more than three tenths of them, or more than a tenth where
-    neither a cycle repeats another nor a later stroke the first.
+    neither a cycle repeats another nor a later stroke the first. All rows, too, of a force where no
+    later rows to fit on go nearly as far: no simulated curve says what a force is there.
     """
     out = np.ones(len(problem.motion), dtype=bool)
-    turns = reversals_of(problem.motion.drive)
-    again = prior.repeats > 0 or strokes_again(problem.motion.drive, turns)
+    drive = problem.motion.drive
+    turns = reversals_of(drive)
+    again = prior.repeats > 0 or strokes_again(drive, turns)
     most = MOST_UNSETTLED if again else MOST_UNREPEATED
-    if len(turns) and turns[0] < most * len(out):
-        out[: turns[0]] = False
-    return out
+    if not (len(turns) and turns[0] < most * len(out)):
+        return out
+    out[: turns[0]] = False
+    later = drive[out & problem.train]
+    far = len(later) and np.ptp(later) > SAME_RANGE * np.ptp(drive[problem.train])
+    return out if far or problem.motion.kinetics is None else np.ones_like(out)
 
 
 def strokes_again(drive: np.ndarray, turns: np.ndarray) -> bool:

@@ -104,7 +104,7 @@ def averaged(problem: Problem) -> tuple[Problem, int]:
     fewer than FEWEST_ROWS, and longer where there would be more than MOST_ROWS. The mean of a
     block is the low-pass before that decimation, the same for the measured force and for what each
     term adds (the parallel filter of Gautier, Janot and Vandanjon, IEEE Trans. Control Syst.
-    Technol. 21 (2013) 428). A block counts as fitted where all its samples do.
+    Technol. 21 (2013) 428). A block counts as fitted where all its known samples do.
     """
     derivatives = problem.derivatives
     assert derivatives is not None
@@ -113,7 +113,8 @@ def averaged(problem: Problem) -> tuple[Problem, int]:
     roomy = int(problem.train.sum()) // FEWEST_ROWS
     size = max(min(by_cutoff, roomy), -(-last // MOST_ROWS), 1)
     fine = problem.motion.rows(slice(0, max(last, size)))
-    blocks = Averaged(fine, size)
+    known = (problem.train | problem.heldout)[: len(fine)]
+    blocks = Averaged(fine, size, known)
     kinetics = fine.kinetics
     assert kinetics is not None
     first = np.arange(0, len(fine) // size * size, size)

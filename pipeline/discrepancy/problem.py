@@ -42,18 +42,25 @@ class DiagnosisError(LoopgapError):
 class Averaged:
     """Rows that are means over blocks of `size` samples of a motion, its last few samples left out.
 
-    A mechanism works on every sample; its answers are averaged like the measurement. What a piece
-    adds does not depend on the others unless one changes the sum: then its means are kept.
+    A mechanism works on every sample; its answers are averaged like the measurement: over samples
+    that are known, a mask (n,), where at least half of a block are. What a piece adds does not
+    depend on the others unless one changes the sum: then its means are kept.
     """
 
     motion: Motion
     size: int
+    known: np.ndarray | None = None
     kept: dict[tuple[str, str, bytes], np.ndarray] = field(default_factory=dict)
 
     def mean(self, values: np.ndarray) -> np.ndarray:
-        """Block means of samples (n,), NaN where one of a block is."""
-        rows = len(values) // self.size
-        return np.asarray(values[: rows * self.size].reshape(rows, self.size).mean(axis=1))
+        """Block means of samples (n,); NaN where one is that counts."""
+        shape = (len(values) // self.size, self.size)
+        blocks = values[: shape[0] * self.size].reshape(shape)
+        if self.known is None:
+            return np.asarray(blocks.mean(axis=1))
+        counts = self.known[: shape[0] * self.size].reshape(shape)
+        counts = counts | (2 * counts.sum(axis=1, keepdims=True) < self.size)
+        return np.asarray(blocks.mean(axis=1, where=counts))
 
     def trace(self, mechanism: Mechanism) -> Trace:
         """The block means of what a mechanism does."""
