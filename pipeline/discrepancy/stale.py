@@ -7,7 +7,7 @@ import numpy as np
 from pipeline.discrepancy.counts import quantum_of
 
 FEWEST, FEWEST_SHARE = 20, 0.03
-BY_CHANCE = 3.0
+BY_CHANCE, MOSTLY = 3.0, 0.5
 ALONE, SCATTERED, EVEN = 1.3, 1.5, 0.4
 FEWEST_HUNG, LEAP, OFTEN = 4, 4.0, 0.9
 
@@ -31,9 +31,10 @@ def stale_samples(measured: np.ndarray, simulated: np.ndarray) -> StaleSamples:
     """Which samples (n,) are the one before again, to the last digit, though the motion goes on.
 
     Equal values are no new measurements where a sensor's noise and resolution make them much rarer
-    than that: neighbouring levels of its converter would be as frequent. They are also what a play
-    without noise leaves at each turn; so new samples have to come singly among them, or they by
-    chance among new ones.
+    than that: neighbouring levels of its converter would be as frequent. Where most changes are by
+    one level, equal values are no more than a slow motion between two of them. They are also what a
+    play without noise leaves at each turn; so new samples have to come singly among them, or they
+    by chance among new ones.
     """
     nothing = np.zeros(len(measured), dtype=bool)
     none = StaleSamples(nothing, hung=nothing)
@@ -44,7 +45,8 @@ def stale_samples(measured: np.ndarray, simulated: np.ndarray) -> StaleSamples:
     if count < FEWEST or not FEWEST_SHARE < share < 1.0:
         return none
     near = np.abs(change) < 1.5 * quantum_of(measured)
-    if count < BY_CHANCE * np.sum(near & ~same & moving):
+    by_one = int(np.sum(near & ~same & moving))
+    if count < BY_CHANCE * by_one or by_one > MOSTLY * np.sum(~same & moving):
         return none
     stretches = np.split(same, np.flatnonzero(np.diff(same)) + 1)
     again = np.array([len(s) for s in stretches if s[0]])

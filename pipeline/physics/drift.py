@@ -6,14 +6,16 @@ from pipeline.physics.motion import Motion
 from pipeline.physics.term import Parameter, Surroundings, Term
 
 HOUR_S = 3600.0
+SHORTEST, CYCLES = 0.15, 1.5
 
 
 class Drift(Term):
     """seen = theta + d(t), t from the first sample.
 
     Forms: "linear" d = rate t; "cycle" d = rate n, n the number of the cycle; "exponential" d =
-    amplitude (1 - exp(-t / tau)); "wave" d = amplitude (sin(2 pi t / period + phase) - sin phase).
-    Source: thermal drift of first order; definition.
+    amplitude (1 - exp(-t / tau)); "wave" d = amplitude (sin(2 pi t / period + phase) - sin phase),
+    slower than the cycles: a wave as quick as these is what the commands do. Source: thermal drift
+    of first order; definition.
     """
 
     name = "drift"
@@ -47,7 +49,7 @@ class Drift(Term):
             return (amplitude, tau)
         return (
             amplitude,
-            Parameter("period", "s", 0.15 * duration, 3.0 * duration, duration, 0.0),
+            Parameter("period", "s", shortest(around), 3.0 * duration, duration, 0.0),
             Parameter("phase", "rad", -2 * np.pi, 2 * np.pi, 0.0, 0.0),
         )
 
@@ -72,14 +74,16 @@ class Drift(Term):
         if self.form == "exponential":
             return np.array([[size, s * duration] for s in (0.03, 0.1, 0.3, 1.0)])
         if self.form == "wave":
-            return np.array(
-                [
-                    [size, duration / k, phase]
-                    for k in np.arange(0.5, 5.0, 0.5)
-                    for phase in np.arange(4) * np.pi / 4
-                ]
-            )
+            periods = [p for p in duration / np.arange(0.5, 5.0, 0.5) if p >= shortest(around)]
+            phases = np.arange(4) * np.pi / 4
+            return np.array([[size, period, phase] for period in periods for phase in phases])
         return np.array([[self.parameters(around)[0].start]])
 
     def excited(self, motion: Motion, around: Surroundings) -> bool:
         return around.end_s > around.start_s and len(motion) > 20
+
+
+def shortest(around: Surroundings) -> float:
+    """The shortest period of a wave [s]: a zero that wanders outlasts CYCLES of them."""
+    duration = max(around.end_s - around.start_s, 1e-9)
+    return duration * min(max(SHORTEST, CYCLES / max(around.cycles, 1)), 1.0)

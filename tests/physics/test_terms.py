@@ -188,3 +188,14 @@ def test_a_slip_comes_with_its_sample():
         motion.drive, motion, np.array([1.5, motion.time_s[7]]), None
     )[0]
     np.testing.assert_array_equal(slipped - motion.drive != 0.0, np.arange(200) >= 7)
+
+
+@pytest.mark.parametrize("cycles", [1, 2, 9])
+def test_a_zero_wanders_more_slowly_than_the_cycles_do(cycles):
+    motion = triangle(cycles)
+    there = replace(around(motion), cycles=cycles)
+    shortest = term("drift", "wave").parameters(there)[1].low
+    assert shortest >= min(1.4 * there.period_s, there.end_s - there.start_s)
+    periods = term("drift", "wave").candidates(motion, there)[:, 1]
+    assert len(periods)
+    assert np.all(periods >= shortest)
