@@ -14,7 +14,7 @@ from pipeline.discrepancy.result import Evidence
 from pipeline.discrepancy.verdict import intolerable
 from pipeline.physics.differentiation import Derivatives
 
-WORTH_SAYING = 0.25
+WORTH_SAYING, NEARER = 0.25, 0.7
 
 
 def notes(
@@ -50,6 +50,7 @@ def notes(
             "on the drive before it (play, ripple, slips in the transmission) could not be put in "
             "front of it, and is fitted as if it came after."
         )
+        out += nearer_note(problem, evidence)
     out += driven_note(problem, evidence)
     out += walking_note(problem, best)
     if explanation.prior.repeats == 0:
@@ -151,6 +152,29 @@ def accuracy_note(explanation: Explanation, best: Choice) -> list[str]:
             f"would be foretold to {with_it:.3g} {unit}, without it to {without:.3g} {unit} (RMS)."
         )
     return out
+
+
+def nearer_note(problem: Problem, evidence: Evidence) -> list[str]:
+    """That a line in a command is nearer to the measurement than the simulation, where it is."""
+    rows, recording = problem.train & evidence.used, evidence.recording
+    measured = problem.measured[rows]
+
+    def off_line(values: np.ndarray) -> float:
+        if not np.ptp(values[rows]) > 0.0:
+            return np.inf
+        line = np.polyfit(values[rows], measured, 1)
+        return float(np.std(measured - np.polyval(line, values[rows])))
+
+    off = {c.name: off_line(recording.values(c.name)) for c in recording.with_role("command")}
+    name, own = min(off, key=lambda n: off[n]), off_line(problem.simulated)
+    if off[name] > NEARER * own:
+        return []
+    unit = problem.around.angle_unit
+    return [
+        f"A line in {name} alone is nearer to the measurement ({off[name]:.3g} {unit}) than one in "
+        f"the simulation ({own:.3g} {unit}): the simulation may lag, or move, where the mechanism "
+        "does not. Without it (`simulation=affine`) more may be found."
+    ]
 
 
 def driven_note(problem: Problem, evidence: Evidence) -> list[str]:

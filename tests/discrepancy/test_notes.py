@@ -1,0 +1,35 @@
+"""What a diagnosis notes beside its names."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from pipeline.config import DiagnosisConfig
+from pipeline.discrepancy.notes import nearer_note
+from pipeline.discrepancy.problem import pose_problem
+from pipeline.recording import Channel, Recording, with_context
+
+CHANNELS = (
+    Channel("motor_deg", "command", "deg"),
+    Channel("tip_deg", "measurement", "deg"),
+    Channel("tip_sim_deg", "simulation", "deg", of="tip_deg"),
+)
+
+
+@pytest.mark.parametrize(("lag_s", "said"), [(0.0, True), (0.5, False)])
+def test_a_simulation_that_lags_where_the_mechanism_does_not_is_said(lag_s, said):
+    time_s = 0.01 * np.arange(3000)
+    command, simulated, moved = (40.0 * np.sin(time_s - late) for late in (0.0, 0.5, lag_s))
+    measured = 0.9 * moved + 0.5 * np.random.default_rng(1).standard_normal(3000)
+    columns = [time_s, command, measured, simulated]
+    names = ["time_s", *(channel.name for channel in CHANNELS)]
+    samples = pd.DataFrame(np.column_stack(columns), columns=names)
+    recording = Recording(with_context(samples, CHANNELS), CHANNELS, "real")
+    problem = pose_problem(DiagnosisConfig(), recording, "tip_deg", simulated)
+    evidence = SimpleNamespace(recording=recording, used=np.isfinite(measured))
+    assert not problem.static
+    assert [note.startswith("A line in motor_deg") for note in nearer_note(problem, evidence)] == (
+        [True] if said else []
+    )
