@@ -7,6 +7,7 @@ import numpy as np
 
 from pipeline.discrepancy.accuracy import within_accuracy
 from pipeline.discrepancy.choose import (
+    LEAST_GAIN,
     SLOW,
     Choice,
     Search,
@@ -161,10 +162,13 @@ def with_slow_terms(search: Search, choices: Sequence[Choice]) -> list[Choice]:
 
 
 def with_plain(search: Search, choices: list[Choice]) -> list[Choice]:
-    """The choices, the best also as what it is in disguise, where no search came by that."""
+    """The choices, the best also as what it is in disguise, where no search came by that.
+
+    Nor does one that came by the same names with much worse sizes.
+    """
     best = choices[0]
     wanted = plain(best)
-    if any(names(c) == wanted for c in choices):
+    if any(names(c) == wanted and c.score < best.score + LEAST_GAIN for c in choices):
         return choices
     pieces = best.fit.pieces
     kept = [p for p, name in zip(pieces, plainly(best.fit), strict=True) if p.term.name == name]

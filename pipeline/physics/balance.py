@@ -39,11 +39,13 @@ IDEAL: Wires = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
 class Load(NamedTuple):
     """What a term adds to the balance.
 
-    slip: (m, 3) stiffness [1], force limit against rising and against falling [angle unit].
+    slip: (m, 4) stiffness [1], force limit against rising and against falling [angle unit], and by
+        how much all of that grows with the bend where a step begins [1/angle], alike for all.
     bristle: (b, 4) stiffness [1], force limits as of a slip, and release [1].
     arm: (a, 2) stiffness [1] and time constant [s] of a spring with a dashpot (Maxwell).
-    contact: (c, 3) side (+1, -1) over the depth at which its stiffness builds up [1/angle], angle,
-        and side times stiffness times that depth [angle].
+    contact: (c, 4) side (+1, -1) over the depth at which its stiffness builds up [1/angle], angle,
+        side times stiffness times that depth [angle], and side times what it hardens by times
+        that depth squared [angle].
     give: (g, 4) most that the wire gives way besides [angle], one over the force at which it does
         so [1/angle], the joint's own stiffness [1], and the angle where the wire is slack [angle].
     loose: half the way over which both wires hang slack [drive unit], the softness of its
@@ -59,10 +61,10 @@ class Load(NamedTuple):
     carried: what the term must know to go on from the last sample.
     """
 
-    slip: np.ndarray = np.zeros((0, 3))
+    slip: np.ndarray = np.zeros((0, 4))
     bristle: np.ndarray = np.zeros((0, 4))
     arm: np.ndarray = np.zeros((0, 2))
-    contact: np.ndarray = np.zeros((0, 3))
+    contact: np.ndarray = np.zeros((0, 4))
     give: np.ndarray = np.zeros((0, 4))
     loose: Loose | None = None
     toe: Toe | None = None

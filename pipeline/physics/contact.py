@@ -9,6 +9,7 @@ from pipeline.physics.motion import Motion
 from pipeline.physics.term import Parameter, Surroundings, Term
 
 STIFFEST = 6.0
+SIDES, HARDENING = ("upper", "lower"), "hardening"
 
 
 class Contact(Term):
@@ -16,13 +17,17 @@ class Contact(Term):
 
     A spring that is met at an angle, and whose stiffness builds up over `skin` round it. Forms
     "upper" and "lower" are its sides; an "unloading" one pushes so hard that beyond `pretension`
-    one of two wires hangs slack. Source: unilateral spring.
+    one of two wires hangs slack; a "hardening" one, as pads and round bodies are, pushes besides by
+    `hardening` times the square of its depth. Sources: unilateral spring; Hertz (1882), whose power
+    of 1.5 lies between.
     """
 
     name = "contact"
     site = "body"
     in_balance = True
-    grows: ClassVar = {"upper": ("upper unloading",), "lower": ("lower unloading",)}
+    grows: ClassVar = {
+        side: tuple(f"{side} {how}" for how in ("unloading", HARDENING)) for side in SIDES
+    }
     says = "Beyond {angle} on one side it touches something and gets stiffer."
 
     def __init__(self, form: str = "upper") -> None:
@@ -42,6 +47,11 @@ class Contact(Term):
             Parameter("angle", unit, ends[0], ends[1], start, 0.0),
             Parameter("skin", unit, 1e-3 * span, 0.06 * span, 0.005 * span, 0.005 * span),
         )
+        if HARDENING in self.form:
+            return (
+                *own,
+                Parameter(HARDENING, f"1/{unit}", 0.0, 10.0 / span, 0.2 / span, 0.2 / span),
+            )
         if "unloading" not in self.form:
             return own
         return (*own, pretension(around, 1e-3))
@@ -50,14 +60,21 @@ class Contact(Term):
         """Whether it is as stiff as a contact can be; what is stiffer is an end stop."""
         return bool(values[0] >= STIFFEST)
 
+    def void(self, values: np.ndarray) -> bool:
+        return bool(values[0] == 0.0 and (HARDENING not in self.form or values[3] == 0.0))
+
     def load(self, values: np.ndarray, motion: Motion, state: np.ndarray | None) -> Load:
-        stiffness, angle, skin = values[:3]
-        contact = np.array([[self.side / skin, angle, self.side * stiffness * skin]])
-        return Load(contact=contact, pretension=values[3] if len(values) > 3 else np.inf)
+        stiffness, angle, skin, *more = values
+        hard = more[0] if HARDENING in self.form else 0.0
+        push = self.side * skin * np.array([stiffness, hard * skin])
+        contact = np.array([[self.side / skin, angle, *push]])
+        return Load(contact=contact, pretension=more[0] if "unloading" in self.form else np.inf)
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
         middle, span = around.angle_low + 0.5 * around.angle_span, around.angle_span
         tails = [[0.02 * span], [0.08 * span]] if "unloading" in self.form else [[]]
+        if HARDENING in self.form:
+            tails = [[0.2 / span], [2.0 / span]]
         return np.array(
             [
                 [stiffness, middle + self.side * share * span, 0.005 * span, *tail]

@@ -34,10 +34,10 @@ def _stops(at, unit, gravity, zero, contact):  # type: ignore[no-untyped-def]
         sine, cosine = waved(at * unit - zero)
         load, slope = gravity * sine, gravity * unit * cosine
     for j in range(contact.shape[0]):
-        sharpness, force = contact[j, 0], contact[j, 2]
+        sharpness, force, hard = contact[j, 0], contact[j, 2], contact[j, 3]
         bite, steep = ramped(sharpness * (at - contact[j, 1]))
-        load += force * bite
-        slope += force * sharpness * steep
+        load += bite * (force + hard * bite)
+        slope += sharpness * steep * (force + 2.0 * hard * bite)
     return load, slope
 
 
@@ -186,9 +186,12 @@ def _forces(way, at, ends, slip):  # type: ignore[no-untyped-def]
 def _moved(at, joint, asked, stiff, pull, bends, slip, ends):  # type: ignore[no-untyped-def]
     """A joint (angle, tangent, bank of sliders) that balances anew: it turns, or sliders slide."""
     theta, tangent, bank = joint
-    turned = False
+    turned, wider = False, 1.0
+    if slip.shape[0] > 0:
+        wider += slip[0, 3] * abs(theta)
     while True:
         way, stuck, held, near = bank
+        stuck, held = wider * stuck, wider * held
         if bends is None:
             slope = 1.0 + stiff + stuck
             if slope != tangent[0]:

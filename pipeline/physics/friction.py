@@ -9,6 +9,8 @@ from pipeline.physics.motion import Motion
 from pipeline.physics.pre_sliding import ELEMENTS, WIDEST, dragging, reaches_of
 from pipeline.physics.term import Parameter, Surroundings, Term
 
+WRAPPED = "wrapped"
+
 
 class Friction(Term):
     """A distribution of slip elements in the balance at the joint (see `balance.py`).
@@ -18,15 +20,19 @@ class Friction(Term):
     spread = 0 is one elasto-plastic slider, spread = 1 comes close to Dahl's curve. Forms "bristle"
     and "bristle asymmetric" are one bristle instead (see `pre_sliding.py`): full loops of Dahl's,
     LuGre's at low speed or Bouc and Wen's model look like a bank's, but their small ones drift.
+    Form "wrapped" resists with 1 + growth |theta| times as much: a wire that lies round what it
+    bends rubs the more the further that is bent (first term of the capstan's power series).
     Form "driven" is a bristle that the drive bends, x = u - width / 2 z(u), as models of tendons in
     sheaths have it, over no shorter a reach than keeps the joint from moving against the drive.
-    Sources: Iwan (1966); Al-Bender and Swevers, IEEE Control Systems 28(6) (2008) 64.
+    Sources: Euler (1769); Iwan (1966); Al-Bender and Swevers, IEEE Control Systems 28(6) (2008) 64.
     """
 
     name = "friction"
     site = "transmission"
     in_balance = True
-    grows: ClassVar = {"symmetric": ("asymmetric", "bristle", "bristle asymmetric", "driven")}
+    grows: ClassVar = {
+        "symmetric": ("asymmetric", "bristle", "bristle asymmetric", "driven", WRAPPED)
+    }
     says = (
         "Friction holds the wire back by {width} between the two ways, "
         "and gives way gradually over the first {reach} of motion."
@@ -48,19 +54,23 @@ class Friction(Term):
             if "bristle" in self.form or self.before_curve
             else Parameter("spread", "", 0.0, WIDEST, 0.7, 0.3),
         )
+        if self.form == WRAPPED:
+            far = 0.5 * around.angle_span
+            return (*own, Parameter("growth", f"1/{unit}", 0.0, 4.0 / far, 0.5 / far, 0.3 / far))
         if "asymmetric" not in self.form:
             return own
         return (*own, Parameter("asymmetry", "", -0.9, 0.9, 0.0, 0.3))
 
     def load(self, values: np.ndarray, motion: Motion, state: np.ndarray | None) -> Load:
         width, reach, spread = values[:3]
-        asymmetry = values[3] if len(values) > 3 else 0.0
+        more = values[3] if len(values) > 3 else 0.0
+        asymmetry, growth = (0.0, more) if self.form == WRAPPED else (more, 0.0)
         if "bristle" in self.form:
             limits = 0.5 * width * (1.0 + asymmetry), 0.5 * width * (1.0 - asymmetry)
             return Load(bristle=np.array([[0.5 * width / reach, *limits, spread]]))
         reaches = reaches_of(reach, spread)
         limit = 0.5 * width / ELEMENTS
-        slip = np.empty((ELEMENTS, 3))
+        slip = np.full((ELEMENTS, 4), growth)
         slip[:, 0] = limit / reaches
         slip[:, 1] = limit * (1.0 + asymmetry)
         slip[:, 2] = limit * (1.0 - asymmetry)
@@ -75,8 +85,8 @@ class Friction(Term):
         return signal - 0.5 * width * share, state
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
-        tail = [0.0] if "asymmetric" in self.form else []
         span = around.drive_span if self.before_curve else around.angle_span
+        tail = [0.0] if "asymmetric" in self.form else [1.0 / span] if self.form == WRAPPED else []
         return np.array(
             [
                 [width * span, reach * span, 0.7, *tail]

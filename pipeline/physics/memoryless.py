@@ -43,8 +43,8 @@ def _sharpest(softest, bends):  # type: ignore[no-untyped-def]
     least, stiff, wires = softest - abs(gravity) * unit, softest, 1.0
     bend = loose[1] + np.sqrt(3.0 * cubic) + abs(gravity) * unit * unit / FIRM
     for j in range(contact.shape[0]):
-        stiff += contact[j, 0] * contact[j, 2]
-        bend += abs(contact[j, 0])
+        stiff += contact[j, 0] * (contact[j, 2] + 2.0 * contact[j, 3])
+        bend += abs(contact[j, 0]) * (1.0 if contact[j, 3] == 0.0 else 2.0)
     for j in range(give.shape[0]):
         wires += abs(give[j, 0]) * give[j, 1]
         bend += give[j, 1] * (give[j, 2] + stiff)
@@ -114,11 +114,11 @@ def _loaded(at, pushed, softest, bends, load, steep):  # type: ignore[no-untyped
             load[t] += gravity * sine
             steep[t] += gravity * unit * cosine
     for j in range(contact.shape[0]):
-        sharpness, angle, force = contact[j, 0], contact[j, 1], contact[j, 2]
+        sharpness, angle, force, hard = contact[j, 0], contact[j, 1], contact[j, 2], contact[j, 3]
         for t in range(at.size):
             bite, share = ramped_abreast(sharpness * (at[t] - angle))
-            load[t] += force * bite
-            steep[t] += force * sharpness * share
+            load[t] += bite * (force + hard * bite)
+            steep[t] += sharpness * share * (force + 2.0 * hard * bite)
 
 
 @inlined

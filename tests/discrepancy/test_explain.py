@@ -3,14 +3,15 @@
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from pipeline.config import DiagnosisConfig
 from pipeline.discrepancy.contested import contested, levelled, rival_names
-from pipeline.discrepancy.explain import explain, refuted, searched_wide
+from pipeline.discrepancy.explain import explain, refuted, searched_wide, with_plain
 from pipeline.discrepancy.fit import evaluate, improve
 from pipeline.discrepancy.moves import loosened, stopped, tautened
 from pipeline.discrepancy.problem import pose_problem
-from pipeline.discrepancy.ties import as_itself
+from pipeline.discrepancy.ties import as_itself, undisguised
 from pipeline.physics.catalogue import term
 from pipeline.physics.mechanism import Piece
 from tests.discrepancy.made import recorded
@@ -67,6 +68,33 @@ def test_a_lens_that_bends_less_towards_its_edge_draws_no_second_name():
     simulated = recording.values("pitch_angle_sim_deg")
     found = explain(pose_problem(DiagnosisConfig(), recording, "pitch_angle_deg", simulated))
     assert len(found.choices[0].fit.pieces) == 1
+
+
+@pytest.mark.parametrize(
+    "hidden",
+    [
+        {"friction/wrapped": {"width": 2.0, "reach": 3.0, "spread": 0.7, "growth": 0.03}},
+        {"contact/upper hardening": {"stiffness": 0.0, "angle": 12.0, "hardening": 0.012}},
+    ],
+)
+def test_a_load_that_grows_with_the_bend_draws_no_second_name(hidden):
+    recording = recorded(hidden, seed=8)
+    simulated = recording.values("pitch_angle_sim_deg")
+    found = explain(pose_problem(DiagnosisConfig(), recording, "pitch_angle_deg", simulated))
+    (piece,) = found.choices[0].fit.pieces
+    assert f"{piece.term.name}/{piece.term.form}" in hidden
+
+
+def test_what_a_choice_is_in_disguise_is_fitted_anew_where_a_search_fitted_it_badly():
+    recording = recorded({"backlash": {"width": 3.0}}, seed=9)
+    simulated = recording.values("pitch_angle_sim_deg")
+    found = explain(pose_problem(DiagnosisConfig(), recording, "pitch_angle_deg", simulated))
+    search, ground = found.search, found.choices[0].fit.ground
+    play = Piece(term("tension_loss"), np.array([1e-5, 2.9]))
+    growing = search.weighed(improve(evaluate(ground, (play,))), (0, 0, 0))
+    bad = replace(found.choices[0], score=growing.score + 10.0)
+    assert undisguised([growing, bad]) is bad
+    assert undisguised(with_plain(search, [growing, bad])).score < growing.score
 
 
 def test_friction_alone_leaves_a_part_of_its_loop_to_slack():

@@ -336,3 +336,18 @@ def test_a_motor_that_is_late_moves_the_play_behind_it():
     late = Motion(answer(motion, lag), time_s, motion.cycle)
     play = Piece(Backlash(), np.array([4.0]))
     np.testing.assert_allclose(answer(motion, play, lag), answer(late, play))
+
+
+def test_a_wire_round_a_bend_rubs_the_more_the_further_it_is_bent():
+    motion = line(0.0, 60.0, 601)
+    out = answer(motion, Piece(Friction("wrapped"), np.array([2.0, 0.5, 0.0, 0.02])))
+    slides = motion.drive > 5.0
+    expected = 1.0 + 0.02 * np.abs(out)
+    np.testing.assert_allclose((motion.drive - out)[slides], expected[slides], atol=3e-3)
+
+
+def test_a_contact_that_hardens_pushes_by_the_square_of_its_depth():
+    motion = line(0.0, 60.0, 601)
+    out = answer(motion, Piece(Contact("upper hardening"), np.array([0.1, 30.0, 0.01, 0.02])))
+    depth = np.maximum(out - 30.0, 0.0)
+    np.testing.assert_allclose(motion.drive - out, depth * (0.1 + 0.02 * depth), atol=0.01)
