@@ -19,7 +19,7 @@ from pipeline.discrepancy.choose import (
 from pipeline.discrepancy.contested import contested, levelled
 from pipeline.discrepancy.fit import ITERATIONS, evaluate, ground_of, improve
 from pipeline.discrepancy.foretold import foretelling
-from pipeline.discrepancy.noise_family import noise_family
+from pipeline.discrepancy.noise_family import JUDGED, noise_family
 from pipeline.discrepancy.noise_learning import NoisePrior, learn_noise
 from pipeline.discrepancy.outliers import alike, isolated, returning
 from pipeline.discrepancy.polish import polished
@@ -38,6 +38,7 @@ TURN_ROWS = 2
 OF_ONE_SHAFT = ("transmission_ripple",)
 SURELY = 3.0
 TURNS, STANDING, SETTLED = 4, 1.0, 3
+JUDGED_GAP = 25.0
 INCREDIBLE, MOST_INCREDIBLE = 4.3, 0.03
 
 
@@ -109,6 +110,7 @@ def searched(problem: Problem) -> Explanation:
     choices = levelled(search, searched_wide(search, polished(search, choices)))
     choices = contested(search, choices)
     if prior.repeats == 0 and problem.derivatives is None:
+        search, choices = judged(search, choices)
         near = [c for c in by_names(choices) if c.score < choices[0].score + RIVAL_GAP][:SETTLED]
         still = [resettled(search, c) if any(c is n for n in near) else c for c in choices]
         choices = foretelling(with_slow_terms(search, still))
@@ -135,6 +137,19 @@ def refuted(search: Search, choice: Choice) -> bool:
     prior, deviation = family.prior, choice.fit.ground.noise.deviation
     larger = np.log(deviation / prior.model.deviation) > SURELY * prior.sure
     return prior.repeats > 0 and bool(family.strained(choice.place) > SURELY**2 or larger)
+
+
+def judged(search: Search, choices: list[Choice]) -> tuple[Search, list[Choice]]:
+    """The search with a jitter charged as it is usual, and the choices near the best weighed so.
+
+    While terms are looked for, a zero that jitters would take the place of slips and drifts yet to
+    be found. Then it is as good an explanation of zeros that differ a little as these are.
+    """
+    family = replace(search.family, unrepeated_jitter=JUDGED)
+    last = replace(search, family=family, plain={})
+    near = [c for c in by_names(choices) if c.score < choices[0].score + JUDGED_GAP]
+    again = [last.weighed(c.fit, c.place) if any(c is n for n in near) else c for c in choices]
+    return last, sorted(again, key=lambda c: c.score)
 
 
 def resettled(search: Search, choice: Choice) -> Choice:

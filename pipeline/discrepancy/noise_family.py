@@ -20,13 +20,14 @@ MIDDLE = 3
 MIDDLE_WALK = 4
 JITTER_COST = 0.5
 WALK_COST = 1.0
+UNREPEATED = 12.0  # where nothing repeats, a zero that moves is charged like the drift it hides,
+JUDGED = 5.0  # but, once all that may explain it was looked for, a jitter like what is common
 
 Place = tuple[int, int, int]
 Shape = tuple[float, float, bool]
 Filter = tuple[np.ndarray, np.ndarray, float, np.ndarray]
 """Gains, what is kept from row to row, the sum of the innovations' log variances, and a constant
 whitened to length 1 (used rows,)."""
-UNREPEATED = 12.0  # where nothing repeats, a zero that moves is charged like the drift it hides
 
 
 @dataclass(frozen=True)
@@ -37,7 +38,8 @@ class NoiseFamily:
     shapes: (share of the variance that is correlated, correlation, whether that part settles where
     commands stand); strain: (shapes, walks) -2 log of how much worse repeats fit each, at most CAP.
     still: whether the noise keeps the shape of the first, without jitter or walk. steady: whether
-    it never jitters or walks, whatever its shape.
+    it never jitters or walks, whatever its shape. unrepeated_jitter: -2 log odds against a jitter
+    where nothing repeats.
     """
 
     prior: NoisePrior
@@ -48,6 +50,7 @@ class NoiseFamily:
     strain: np.ndarray
     still: bool = False
     steady: bool = False
+    unrepeated_jitter: float = UNREPEATED
     filters: dict[Place, Filter] = field(default_factory=dict)
 
     def unit(self, place: Place) -> NoiseModel:
@@ -96,7 +99,7 @@ class NoiseFamily:
         off = abs(log_scale - learnt) / sure
         cost += off**2 if off < 2.0 else 4.0 * (off - 1.0)
         repeat = self.prior.repeats > 0
-        cost += (JITTER_COST if repeat else UNREPEATED) * (place[1] > 0)
+        cost += (JITTER_COST if repeat else self.unrepeated_jitter) * (place[1] > 0)
         cost += (WALK_COST if repeat else UNREPEATED) * (place[2] > 0)
         return cost + self.strained(place), exp(log_scale)
 

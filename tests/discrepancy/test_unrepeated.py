@@ -72,6 +72,17 @@ def test_a_lag_that_swings_is_found_where_a_plain_delay_comes_near_it():
     }
 
 
+@pytest.mark.parametrize("seed", [9, 10])
+def test_a_zero_that_jitters_a_little_is_neither_slip_nor_drift(seed):
+    cycle = np.arange(ROWS) // 100
+    growing = (30.0 + 1.5 * cycle) * np.sin(2.0 * np.pi * np.arange(ROWS) / 100)
+    recording = moved(growing, ("backlash", [3.0]), seed=seed)
+    zero = 0.4 * NOISE * np.random.default_rng(seed).standard_normal(9)
+    tip = recording.values("tip_deg") + zero[cycle]
+    jittering = Recording(recording.samples.assign(tip_deg=tip), CHANNELS, "simulated")
+    assert named(jittering) == {"backlash"}
+
+
 def test_a_zero_that_wanders_far_is_drift_and_no_noise():
     recording = moved(20.0 * WAVES, ("backlash", [3.0]), seed=3)
     tip = recording.values("tip_deg") + 1.5 * np.sin(5.0 * TIME_S / TIME_S[-1])
