@@ -119,7 +119,8 @@ def choose(search: Search, ground: Ground) -> list[Choice]:
     """Choices by a beam, not yet polished; each set of terms once.
 
     Where nothing repeats, noise that walks is as likely all that was left out, and beside it
-    nothing promises much: the terms are then looked for beside noise that does not.
+    nothing promises much: the terms are then looked for beside noise that does not. What begins
+    each set in too narrow a form would draw more terms: it is grown before these are looked for.
     """
     base = search.weighed(evaluate(ground, ()), (0, 0, 0))
     if wanders(base.place) and search.family.prior.repeats == 0:
@@ -139,9 +140,9 @@ def choose(search: Search, ground: Ground) -> list[Choice]:
         if not level:
             break
         beam = promising(list(level.values()), base.score, search.clear)
-        if depth == 0:
-            beam = [grown(search, c) for c in beam]
-            level |= {c.fit.key: c for c in beam}
+        suited = len(beam) if depth == 0 else int(beam[0].score < before)
+        beam[:suited] = [grown(search, c) for c in beam[:suited]]
+        level |= {c.fit.key: c for c in beam}
         found |= {k: c for k, c in level.items() if k not in found or c.score < found[k].score}
         if beam[0].score > before + LEAST_GAIN:
             break

@@ -14,7 +14,7 @@ from pipeline.discrepancy.choose import (
 )
 from pipeline.discrepancy.fit import ITERATIONS, evaluate, improve, parameters_of
 from pipeline.discrepancy.reform import reformed
-from pipeline.discrepancy.screen import screen, started
+from pipeline.discrepancy.screen import LATE, screen, started
 from pipeline.physics.capstan_friction import CapstanFriction
 from pipeline.physics.catalogue import BEND, SHEATH_FORCES
 from pipeline.physics.compliance import Compliance
@@ -54,11 +54,11 @@ def unpromised(search: Search, choice: Choice) -> Choice:
 def merged(search: Search, choice: Choice) -> Choice:
     """The choice with its lag, or all that comes late, as one lag of another form, if better.
 
-    A creep beside a lag can follow what is one lag of second order, a frame that is old what a
-    swinging joint beside a creep does, and one beside play a motor that is late; no swap of terms
-    leads there.
+    A creep or play beside a lag can follow what is one lag of second order, a frame that is old
+    what a swinging joint beside a creep does, and one beside play a motor that is late; no swap of
+    terms leads there.
     """
-    late = [p for p in choice.fit.pieces if p.term.group == "lag" or p.term.name == "creep"]
+    late = [p for p in choice.fit.pieces if p.term.name in LATE]
     lag = next((p for p in late if p.term.group == "lag"), None)
     if lag is None or len(choice.fit.pieces) == 1:
         return choice

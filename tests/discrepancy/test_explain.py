@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from pipeline.config import DiagnosisConfig
+from pipeline.discrepancy.choose import choose
 from pipeline.discrepancy.contested import contested, levelled, rival_names
 from pipeline.discrepancy.explain import explain, refuted, searched_wide, with_plain
 from pipeline.discrepancy.fit import evaluate, improve
@@ -179,3 +180,23 @@ def test_slack_off_home_is_found_beside_a_ripple():
     simulated = recording.values("pitch_angle_sim_deg")
     found = explain(pose_problem(DiagnosisConfig(), recording, "pitch_angle_deg", simulated))
     assert set(found.choices[0].fit.names) == set(hidden)
+
+
+def test_a_second_name_is_grown_before_a_third_is_looked_for():
+    hidden = {"coupling": {}, "slack": {"width": 4.0, "centre": 3.0}}
+    recording = recorded(hidden, seed=1, two_axes=True)
+    simulated = recording.values("pitch_angle_sim_deg")
+    found = explain(pose_problem(DiagnosisConfig(), recording, "pitch_angle_deg", simulated))
+    begun = choose(found.search, found.choices[0].fit.ground)
+    assert len(begun[0].fit.pieces) == 2
+
+
+def test_play_and_an_old_frame_are_one_lag_of_second_order():
+    hidden = {
+        "response_lag/second": {"natural_frequency": 0.62, "damping": 1.0, "moving": 1.0},
+        "slack": {"width": 4.5, "centre": 2.5},
+    }
+    recording = recorded(hidden, seed=1)
+    simulated = recording.values("pitch_angle_sim_deg")
+    found = explain(pose_problem(DiagnosisConfig(), recording, "pitch_angle_deg", simulated))
+    assert set(found.choices[0].fit.names) == {"response_lag", "slack"}
