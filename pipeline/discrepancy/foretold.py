@@ -42,11 +42,24 @@ def foretelling(choices: Sequence[Choice]) -> list[Choice]:
     if len(near) < 2 or not testable(ranked[0]):
         return ranked
     errors = np.array([error_ahead(c, parts) for c in near])
-    share = rows_ahead(parts) / max(near[0].fit.ground.count, 1)
-    count = share * independent(near[0].fit.ground)
-    extra = np.minimum(count * 2.0 * np.log(errors / least_errors(near, errors)), TIE)
+    counts = np.array([errors_ahead(c, parts) for c in near])
+    extra = np.minimum(counts * 2.0 * np.log(errors / least_errors(near, errors)), TIE)
     weighed = [replace(c, score=c.score + float(e)) for c, e in zip(near, extra, strict=True)]
     return sorted([*weighed, *ranked[len(near) :]], key=lambda c: c.score)
+
+
+def errors_ahead(choice: Choice, parts: Sequence[Part]) -> float:
+    """How many errors ahead are independent by a choice's own noise.
+
+    Those of a cycle share its zero, where that jitters: then so many of them say as much as one
+    (design effect, Kish, Survey Sampling (1965)).
+    """
+    ground, rows = choice.fit.ground, rows_ahead(parts)
+    cycles = sum(len(np.unique(ground.problem.cycle[part.ahead])) for part in parts)
+    zero, own = ground.noise.jitter**2, ground.noise.deviation**2
+    count = independent(ground) * rows / max(ground.count, 1)
+    alike = (count / max(cycles, 1) - 1.0) * zero / max(zero + own, 1e-300)
+    return count / (1.0 + max(alike, 0.0))
 
 
 def least_errors(choices: Sequence[Choice], errors: np.ndarray) -> np.ndarray:

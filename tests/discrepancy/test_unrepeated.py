@@ -10,7 +10,7 @@ from pipeline.config import DiagnosisConfig
 from pipeline.discrepancy.choose import wanders
 from pipeline.discrepancy.explain import explain
 from pipeline.discrepancy.fit import evaluate
-from pipeline.discrepancy.foretold import least_errors, parts_of
+from pipeline.discrepancy.foretold import errors_ahead, least_errors, parts_of
 from pipeline.discrepancy.noise import NoiseModel
 from pipeline.discrepancy.noise_family import noise_family
 from pipeline.discrepancy.noise_learning import NoisePrior
@@ -140,6 +140,19 @@ def test_what_is_foretold_settles_no_more_names():
     np.testing.assert_allclose(least_errors([best, more, other], errors), [0.21, 0.20, 0.21])
     walking = replace(best, place=(0, 0, 1))
     np.testing.assert_allclose(least_errors([walking, more, other], errors), [0.20, 0.20, 0.21])
+
+
+def test_errors_that_share_a_zero_say_less_of_what_is_foretold():
+    recording = moved(20.0 * WAVES, seed=6)
+    best = explain(problem_of(recording)).choices[0]
+    ground, parts = best.fit.ground, parts_of(best.fit.ground)
+    still = replace(ground.noise, jitter=0.0)
+    jittery = replace(ground.noise, jitter=0.3 * ground.noise.deviation)
+    counts = [
+        errors_ahead(replace(best, fit=replace(best.fit, ground=ground.with_noise(n))), parts)
+        for n in (still, jittery)
+    ]
+    assert 3.0 * counts[1] < counts[0]
 
 
 def test_a_frame_behind_is_told_from_play_where_samples_come_unevenly():
