@@ -11,6 +11,7 @@ from pipeline.discrepancy.charge import absurd_calibration
 from pipeline.discrepancy.choose import Choice
 from pipeline.discrepancy.cycle_zero import wanders_by_cycle, zero_of_each_cycle
 from pipeline.discrepancy.explain import Explanation, explain, not_excited
+from pipeline.discrepancy.faint import without_faint
 from pipeline.discrepancy.fit import evaluate, improve
 from pipeline.discrepancy.force_delay import delay_of, late
 from pipeline.discrepancy.force_noise import noise_of_samples
@@ -57,6 +58,7 @@ def diagnose_measurement(
         if delay.value != 0.0:
             problem = late(problem, delay)
             explanation = explain(reduced(problem)[0])
+    explanation = without_faint(explanation)
     best, structure, accurate = decided(problem, explanation)
     family = explanation.search.family
     covariance = (

@@ -1,0 +1,44 @@
+"""Names that explain less than what the form of others leaves."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from pipeline.config import DiagnosisConfig
+from pipeline.discrepancy.explain import Explanation, explain
+from pipeline.discrepancy.faint import without_faint
+from pipeline.discrepancy.fit import evaluate, improve
+from pipeline.discrepancy.problem import pose_problem
+from pipeline.physics.catalogue import term
+from pipeline.physics.mechanism import Piece
+from tests.discrepancy.made import recorded
+
+RIPPLE = term("transmission_ripple")
+
+
+def rippled(amplitude: float, **others: dict[str, float]) -> Explanation:
+    """An explanation whose best choice has a ripple beside the others, as if it were worth it."""
+    ripple = {"amplitude": amplitude, "period": 30.0, "phase": 1.0}
+    recording = recorded({**others, "transmission_ripple": ripple}, seed=1)
+    simulated = recording.values("pitch_angle_sim_deg")
+    found = explain(pose_problem(DiagnosisConfig(), recording, "pitch_angle_deg", simulated))
+    best = next(c for c in found.choices if set(c.fit.names) >= set(others))
+    kept = [p for p in best.fit.pieces if p.term.name in others]
+    wave = Piece(RIPPLE, np.array([amplitude, 30.0, 1.0]))
+    fit = improve(evaluate(best.fit.ground, [*kept, wave]))
+    return replace(found, choices=[replace(best, fit=fit, score=-1e6), *found.choices])
+
+
+@pytest.mark.parametrize(("amplitude", "stays"), [(0.05, False), (0.3, True)])
+def test_a_faint_name_beside_two_others_is_their_form(amplitude: float, stays: bool):
+    found = rippled(amplitude, backlash={"width": 3.0}, end_stop={"angle": 30.0})
+    firm = without_faint(found)
+    assert (firm is found) == stays
+    assert set(firm.choices[0].fit.names) >= {"backlash", "end_stop"}
+    assert (RIPPLE.name in firm.choices[0].fit.names) == stays
+
+
+def test_a_faint_name_stands_where_it_is_one_of_two():
+    found = rippled(0.05, backlash={"width": 3.0})
+    assert without_faint(found) is found
