@@ -24,7 +24,13 @@ from pipeline.discrepancy.noise import NoiseModel
 from pipeline.discrepancy.notes import accuracy_note, notes, smooth_error
 from pipeline.discrepancy.outliers import isolated
 from pipeline.discrepancy.problem import Problem
-from pipeline.discrepancy.proof import disproved, root_mean
+from pipeline.discrepancy.proof import (
+    BEYOND,
+    carried_too_far,
+    disproved,
+    judged,
+    root_mean,
+)
 from pipeline.discrepancy.refit import likeliest, refitted
 from pipeline.discrepancy.result import (
     Calibration,
@@ -113,13 +119,17 @@ def decided(problem: Problem, explanation: Explanation) -> tuple[Choice, Structu
     elif absurd is not None:
         structure = replace(structure, found=True, where=absurd)
     unrepeated = explanation.prior.repeats == 0 and problem.derivatives is None and testable(best)
+    off = problem.measured - mechanism_of(problem, best).respond(problem.motion)[0]
     if not (accurate or structure.found):
-        said = mechanism_of(problem, best).respond(problem.motion)[0]
-        structure = disproved(problem, explanation, best, problem.measured - said, structure)
+        structure = disproved(problem, explanation, best, off, structure)
     if structure.found and unrepeated:
         best = foretold_part(explanation.choices, best)
     elif structure.found:
         best = fewer(explanation, best)
+    elif not accurate:
+        off, counted = judged(problem, explanation, best, off)
+        if carried_too_far(problem, off, counted, best.fit.ground.noise):
+            structure = replace(structure, found=True, where=BEYOND)
     if structure.found:
         share = max(structure.share, share_left(explanation, best))
         structure = replace(structure, share=share)

@@ -8,6 +8,7 @@ from pipeline.discrepancy.choose import Choice
 from pipeline.discrepancy.cycle_zero import about_each_zero, wanders_by_cycle
 from pipeline.discrepancy.explain import Explanation, settled_rows
 from pipeline.discrepancy.intervals import undated
+from pipeline.discrepancy.noise import NoiseModel
 from pipeline.discrepancy.outliers import isolated
 from pipeline.discrepancy.problem import Problem
 from pipeline.discrepancy.structure import (
@@ -20,9 +21,12 @@ from pipeline.discrepancy.structure import (
 )
 from pipeline.discrepancy.wander import comes_back
 
-TWICE, HALF = 2.0, 0.5
+TWICE, HALF, FAR = 2.0, 0.5, 1.5
+FEWEST_BEYOND = 20
 HELDOUT = "on held-out samples, which the fit to the others does not predict"
 SLOWLY = "slow changes that come back, as no zero that wanders does"
+BEYOND = "at held-out commands beyond the range of those fitted"
+UNWITNESSED = "slow changes, and no cycle repeats another to show that they are a zero that walks"
 
 
 def disproved(
@@ -41,16 +45,15 @@ def disproved(
     zero, that is taken off. Of a force against motion, whose rest is slow in any case, that is not
     asked.
     """
-    lone = isolated(off, problem.train, explanation.prior.finest)
-    counted = ~lone & ~undated(choice.fit, problem.motion.time_s)
-    if wanders_by_cycle(choice):
-        off = about_each_zero(off, problem.cycle, counted & np.isfinite(off))
-    if refuted(problem, off, counted):
+    noise = choice.fit.ground.noise
+    off, counted = judged(problem, explanation, choice, off)
+    if refuted(problem, off, counted, noise):
         return replace(structure, found=True, where=HELDOUT)
     if problem.derivatives is not None or rounded(explanation, choice):
         return structure
-    noise = choice.fit.ground.noise
     used = counted & settled_rows(problem, explanation.prior) & (problem.train | problem.heldout)
+    if unwitnessed(explanation, choice, off[used & problem.train]):
+        return replace(structure, found=True, where=UNWITNESSED)
     stands = problem.motion.stands
     gain, likely = comes_back(off, problem.cycle, used, stands, noise, SLOW_CORRELATION)
     large = likely.correlated > SMALLEST_SIZE * noise.deviation
@@ -61,16 +64,71 @@ def disproved(
     return Structure(True, SLOWLY, share, p_value, wandering=likely)
 
 
-def refuted(problem: Problem, off: np.ndarray, counted: np.ndarray) -> bool:
+def judged(
+    problem: Problem, explanation: Explanation, choice: Choice, off: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Errors (n,), less each cycle's zero where these differ, and the rows (n,) that count."""
+    lone = isolated(off, problem.train, explanation.prior.finest)
+    counted = ~lone & ~undated(choice.fit, problem.motion.time_s)
+    if wanders_by_cycle(choice):
+        off = about_each_zero(off, problem.cycle, counted & np.isfinite(off))
+    return off, counted
+
+
+def refuted(problem: Problem, off: np.ndarray, counted: np.ndarray, noise: NoiseModel) -> bool:
     """Whether the held-out rows refute what the training rows seemed to say.
 
     They do where the error `off` (n,) on counted rows (n,) is there over twice that on training
-    rows and half of what it was before.
+    rows and half of what it was before; and where it is far beyond both training rows and noise.
+    What lies beyond the commands that were fitted refutes nothing, see `carried_too_far`.
     """
     train, heldout = problem.train & counted, problem.heldout & counted
+    if np.any(heldout & ~beyond(problem)):
+        heldout &= ~beyond(problem)
     before = (problem.measured - problem.simulated)[heldout]
-    left = root_mean(off[heldout] ** 2)
-    return left > TWICE * root_mean(off[train] ** 2) and left > HALF * root_mean(before**2)
+    left, fitted = root_mean(off[heldout] ** 2), root_mean(off[train] ** 2)
+    worse = left > TWICE * fitted and left > HALF * root_mean(before**2)
+    return worse or left > usual(off[train], noise)
+
+
+def carried_too_far(
+    problem: Problem, off: np.ndarray, counted: np.ndarray, noise: NoiseModel
+) -> bool:
+    """Whether an explanation errs at held-out commands beyond those that were fitted.
+
+    off: (n,) as in `disproved`. Names that hold between those commands hold there all the same.
+    """
+    far = problem.heldout & counted & beyond(problem)
+    if far.sum() < FEWEST_BEYOND:
+        return False
+    return root_mean(off[far] ** 2) > usual(off[problem.train & counted], noise)
+
+
+def beyond(problem: Problem) -> np.ndarray:
+    """Rows (n,) whose command is beyond the range of those to fit on."""
+    drive = problem.motion.drive
+    fitted = drive[problem.train]
+    return (drive < fitted.min()) | (drive > fitted.max())
+
+
+def usual(left: np.ndarray, noise: NoiseModel) -> float:
+    """The largest error of other rows to be expected, given what is left of those fitted, (k,).
+
+    A zero that walks is elsewhere in other rows, and so is one that jumps by the cycle.
+    """
+    own = max(root_mean(left**2), float(np.hypot(noise.deviation, 2.0 * noise.jitter)))
+    return (TWICE if noise.walk > 0.0 else FAR) * own
+
+
+def unwitnessed(explanation: Explanation, choice: Choice, left: np.ndarray) -> bool:
+    """Whether a zero that walks takes most of what names leave, (k,), and no cycles repeat.
+
+    What a recording samples finely it changes slowly, physics and zero alike: only cycles that
+    repeat would witness that it is the zero.
+    """
+    noise = choice.fit.ground.noise
+    alone = bool(choice.fit.pieces) and noise.walk > 0.0 and explanation.prior.repeats == 0
+    return alone and root_mean(left**2) > TWICE * float(np.hypot(noise.deviation, noise.jitter))
 
 
 def root_mean(square: np.ndarray) -> float:

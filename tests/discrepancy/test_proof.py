@@ -1,0 +1,81 @@
+"""What held-out rows, and rows beyond the commands fitted, say against an explanation."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from pipeline.config import DiagnosisConfig
+from pipeline.discrepancy.noise import NoiseModel
+from pipeline.discrepancy.problem import Problem, pose_problem
+from pipeline.discrepancy.proof import carried_too_far, refuted, unwitnessed
+from pipeline.recording import Channel, Recording, with_context
+
+ROWS = 900
+NOISE, WALK = NoiseModel(white=0.2), NoiseModel(white=0.2, walk=0.1)
+CHANNELS = (
+    Channel("motor_deg", "command", "deg"),
+    Channel("tip_deg", "measurement", "deg"),
+    Channel("tip_sim_deg", "simulation", "deg", of="tip_deg"),
+)
+
+
+def posed(growing: float = 0.0) -> Problem:
+    """Nine sines, each `growing` larger than the one before; the simulation is off by a tenth."""
+    time_s = 0.1 * np.arange(ROWS)
+    command = 40.0 * (1.0 + growing * (np.arange(ROWS) // 100)) * np.sin(0.2 * np.pi * time_s)
+    columns = [time_s, command, 1.1 * command, command]
+    samples = pd.DataFrame(
+        np.column_stack(columns), columns=["time_s", *(c.name for c in CHANNELS)]
+    )
+    recording = Recording(with_context(samples, CHANNELS), CHANNELS, "simulated")
+    return pose_problem(DiagnosisConfig(), recording, "tip_deg", command)
+
+
+def left(problem: Problem, heldout: float, fitted: float = 1.0) -> np.ndarray:
+    """Errors of so many deviations of the noise on held-out and on fitted rows."""
+    size = np.where(problem.heldout, heldout, fitted) * NOISE.deviation
+    return size * np.random.default_rng(1).standard_normal(len(size))
+
+
+@pytest.mark.parametrize(
+    ("off", "noise", "is_so"),
+    [
+        ((1.2, 1.0), NOISE, False),
+        ((1.8, 1.0), NOISE, True),
+        ((2.8, 2.8), NOISE, False),
+        ((1.8, 1.0), WALK, False),
+        ((2.5, 1.0), WALK, True),
+    ],
+)
+def test_errors_far_beyond_the_noise_refute(off, noise, is_so):
+    problem = posed()
+    every = np.ones(ROWS, dtype=bool)
+    refutes = refuted(problem, left(problem, *off), every, noise)
+    assert refutes == is_so
+
+
+def test_what_lies_beyond_the_commands_fitted_refutes_nothing_and_is_said():
+    problem = posed(0.1)
+    off = left(problem, 1.0)
+    far = np.abs(problem.motion.drive) > np.abs(problem.motion.drive[problem.train]).max()
+    assert np.all(problem.heldout[far])
+    off[far] *= 5.0
+    every = np.ones(ROWS, dtype=bool)
+    assert not refuted(problem, off, every, NOISE)
+    assert carried_too_far(problem, off, every, NOISE)
+    assert not carried_too_far(problem, off, ~far, NOISE)
+    assert not carried_too_far(posed(), off, every, NOISE)
+
+
+@pytest.mark.parametrize(
+    ("pieces", "repeats", "noise", "is_so"),
+    [(1, 0, WALK, True), (0, 0, WALK, False), (1, 3, WALK, False), (1, 0, NOISE, False)],
+)
+def test_only_repeats_witness_that_a_zero_walks(pieces, repeats, noise, is_so):
+    fit = SimpleNamespace(ground=SimpleNamespace(noise=noise), pieces=(None,) * pieces)
+    explanation = SimpleNamespace(prior=SimpleNamespace(repeats=repeats))
+    choice = SimpleNamespace(fit=fit)
+    assert unwitnessed(explanation, choice, np.full(ROWS, 0.6)) == is_so
+    assert not unwitnessed(explanation, choice, np.full(ROWS, 0.3))
