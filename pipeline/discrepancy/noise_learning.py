@@ -122,9 +122,10 @@ def unmistaken(values: np.ndarray, finest: float) -> np.ndarray:
     Every contrast takes a part of each mistake: few in each cycle are many in all.
     """
     known = np.isfinite(values)
-    some = known.any(axis=0)
     off = np.full(values.shape, np.nan)
-    off[:, some] = values[:, some] - np.nanmedian(values[:, some], axis=0)
+    for k in range(len(values)):
+        some = np.delete(known, k, axis=0).any(axis=0)
+        off[k, some] = values[k, some] - np.nanmedian(np.delete(values, k, axis=0)[:, some], axis=0)
     lone = [isolated(one, own, finest) for one, own in zip(off, known, strict=True)]
     return np.where(lone, np.nan, values)
 

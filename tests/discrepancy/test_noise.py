@@ -7,7 +7,7 @@ from scipy.stats import multivariate_normal
 from pipeline.config import DiagnosisConfig
 from pipeline.discrepancy.noise import NoiseModel
 from pipeline.discrepancy.noise_family import WALKS, noise_family
-from pipeline.discrepancy.noise_learning import NoisePrior, fit_noise, learn_noise
+from pipeline.discrepancy.noise_learning import NoisePrior, fit_noise, learn_noise, unmistaken
 from pipeline.discrepancy.problem import Problem, pose_problem
 from pipeline.recording import Recording
 from tests.discrepancy.made import NOISE, recorded
@@ -88,6 +88,12 @@ def test_mistaken_samples_are_no_noise():
     prior = learn_noise(posed(Recording(samples, recording.channels, "simulated")))
     assert prior.repeats == 4
     assert prior.model.deviation == pytest.approx(0.2, rel=0.1)
+
+
+@pytest.mark.parametrize("repeats", [2, 3, 6])
+def test_the_tails_of_noise_are_no_mistakes_however_few_repeat(repeats):
+    values = np.random.default_rng(8).normal(size=(repeats, 400))
+    assert np.isnan(unmistaken(values, 1e-9)).mean() < 0.001
 
 
 def test_a_walk_is_picked_from_any_level():
