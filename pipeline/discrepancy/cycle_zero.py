@@ -8,18 +8,33 @@ from pipeline.discrepancy.problem import Problem
 from pipeline.discrepancy.result import Estimate, Evidence, NamedPhysics
 from pipeline.physics.drift import Drift
 
-LARGE, FEWEST_CYCLES = 1.0, 5
+FEWEST_CYCLES = 5
 SURELY, WITHIN = 0.9, 0.95
 SAYS = "The zero is another one in each cycle, by about {size:.3g} {unit}: no command foretells it."
 
 
 def wanders_by_cycle(choice: Choice) -> bool:
-    """Whether each cycle's zero jitters by more than the noise, and nothing slow is named."""
-    fit = choice.fit
-    cycles = np.unique(fit.ground.problem.cycle[fit.ground.used])
-    noise = fit.ground.noise
-    large = noise.jitter > LARGE * noise.deviation and len(cycles) >= FEWEST_CYCLES
-    return large and not set(fit.names) & set(SLOW)
+    """Whether each cycle's zero surely jitters by more than the noise; nothing slow is named."""
+    noise = choice.fit.ground.noise
+    if noise.jitter == 0.0 or set(choice.fit.names) & set(SLOW):
+        return False
+    means = zeros_of(choice)
+    return len(means) >= FEWEST_CYCLES and deviation_of(means)[1] > noise.deviation
+
+
+def zeros_of(choice: Choice) -> np.ndarray:
+    """The mean residual of each cycle that was fitted [measurement's unit]."""
+    ground = choice.fit.ground
+    residual = (ground.problem.measured - choice.fit.predicted)[ground.used]
+    numbers = ground.problem.cycle[ground.used]
+    return np.array([residual[numbers == c].mean() for c in np.unique(numbers)])
+
+
+def deviation_of(means: np.ndarray) -> tuple[float, float, float]:
+    """The deviation of Gaussian values (n,), and its 95 % interval (chi-squared)."""
+    size, free = float(np.std(means, ddof=1)), len(means) - 1
+    low, high = (size * float(np.sqrt(free / q)) for q in chi2.interval(WITHIN, free)[::-1])
+    return size, low, high
 
 
 def about_each_zero(residual: np.ndarray, cycle: np.ndarray, counted: np.ndarray) -> np.ndarray:
@@ -32,16 +47,8 @@ def about_each_zero(residual: np.ndarray, cycle: np.ndarray, counted: np.ndarray
 
 
 def zero_of_each_cycle(problem: Problem, choice: Choice, evidence: Evidence) -> NamedPhysics:
-    """The drift of a zero that wanders from cycle to cycle: the deviation of the cycles' means.
-
-    Its interval is that of a Gaussian's deviation (chi-squared).
-    """
-    ground = choice.fit.ground
-    residual = ground.problem.measured - choice.fit.predicted
-    numbers = ground.problem.cycle[ground.used]
-    means = np.array([residual[ground.used][numbers == c].mean() for c in np.unique(numbers)])
-    size, free = float(np.std(means, ddof=1)), len(means) - 1
-    low, high = (size * float(np.sqrt(free / q)) for q in chi2.interval(WITHIN, free)[::-1])
+    """The drift of a zero that wanders from cycle to cycle: the deviation of the cycles' means."""
+    size, low, high = deviation_of(zeros_of(choice))
     unit = problem.around.angle_unit
     off, counted = evidence.measured - evidence.after, evidence.heldout & evidence.used
     return NamedPhysics(

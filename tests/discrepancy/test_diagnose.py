@@ -343,6 +343,14 @@ def test_a_calibration_beyond_its_tolerance_is_still_calibration():
     assert any("tolerance" in note for note in diagnosis.notes)
 
 
+def test_a_zero_that_jitters_about_as_much_as_the_noise_is_noise():
+    recording = recorded({}, seed=400, cycles=9)
+    zeros = np.random.default_rng(400).normal(0.0, NOISE, 9)
+    off = zeros[recording.values("cycle").astype(int)]
+    result = diagnosed(changed(recording, **{ANGLE: recording.values(ANGLE) + off}))
+    assert result.diagnoses[0].verdict == "no_mismatch"
+
+
 def test_a_zero_that_is_far_off_draws_no_names():
     diagnosis = diagnosed(recorded({"backlash": {"width": 4.0}}, seed=15, offset=400.0))
     (found,) = diagnosis.diagnoses
