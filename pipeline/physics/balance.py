@@ -120,7 +120,7 @@ def settle(
         bent = carried[3 + len(slip) : 3 + len(slip) + len(bristle)]
         bends = bending(
             (cubic, gravity, zero, 1.0 / motion.radian), contact, give, pull,
-            min(NEVER, *pretensions), bristle, bent,
+            min(NEVER, *pretensions), bristle, bent, len(slip) > 0 and slip[0, 3] != 0.0,
         )  # fmt: skip
         solve(
             np.ascontiguousarray(asked), pushed, dwell, slip, arm, drag, bends, float(linear),
@@ -150,13 +150,14 @@ def solve(
 def bending(
     smooth: tuple[float, float, float, float], contact: np.ndarray, give: np.ndarray,
     pull: Wires, pretension: float, bristle: np.ndarray,
-    bent: np.ndarray,
+    bent: np.ndarray, grows: bool,
 ) -> Bends | None:  # fmt: skip
     """All that bends the balance, flat as the compiled loop takes it; None where nothing does.
 
     smooth: cubic, gravity, its zero, an angle's unit in radians. bent: forces of the bristles.
+    grows: whether the slips grow with the bend.
     """
-    straight = pretension == NEVER and not (smooth[0] or smooth[1] or pull[1])
+    straight = pretension == NEVER and not (smooth[0] or smooth[1] or pull[1] or grows)
     if straight and not (len(contact) or len(give) or len(bristle)):
         return None
     return *smooth, contact, give, pull, pretension, bristle, bent

@@ -186,18 +186,18 @@ def _forces(way, at, ends, slip):  # type: ignore[no-untyped-def]
 def _moved(at, joint, asked, stiff, pull, bends, slip, ends):  # type: ignore[no-untyped-def]
     """A joint (angle, tangent, bank of sliders) that balances anew: it turns, or sliders slide."""
     theta, tangent, bank = joint
-    turned, wider = False, 1.0
-    if slip.shape[0] > 0:
-        wider += slip[0, 3] * abs(theta)
+    turned = False
     while True:
         way, stuck, held, near = bank
-        stuck, held = wider * stuck, wider * held
         if bends is None:
             slope = 1.0 + stiff + stuck
             if slope != tangent[0]:
                 tangent = (slope, 1.0 / slope, 1.0 / slope, 1.0 / slope)
             at = (asked + pull - held) * tangent[1]
         else:
+            if slip.shape[0] > 0 and slip[0, 3] != 0.0:
+                wider = 1.0 + slip[0, 3] * abs(theta)
+                stuck, held = wider * stuck, wider * held
             at, tangent = _rested(at, theta, asked, stiff + stuck, pull - held, tangent, bends)
         if slip.shape[0] == 0:
             break
