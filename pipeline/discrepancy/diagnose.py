@@ -24,13 +24,7 @@ from pipeline.discrepancy.noise import NoiseModel
 from pipeline.discrepancy.notes import accuracy_note, notes, smooth_error
 from pipeline.discrepancy.outliers import isolated
 from pipeline.discrepancy.problem import Problem
-from pipeline.discrepancy.proof import (
-    BEYOND,
-    carried_too_far,
-    disproved,
-    judged,
-    root_mean,
-)
+from pipeline.discrepancy.proof import disproved, judged, root_mean, strained
 from pipeline.discrepancy.refit import likeliest, refitted
 from pipeline.discrepancy.result import (
     Calibration,
@@ -128,8 +122,9 @@ def decided(problem: Problem, explanation: Explanation) -> tuple[Choice, Structu
         best = fewer(explanation, best)
     elif not accurate:
         off, counted = judged(problem, explanation, best, off)
-        if carried_too_far(problem, off, counted, best.fit.ground.noise):
-            structure = replace(structure, found=True, where=BEYOND)
+        where = strained(problem, off, counted, best.fit.ground.noise)
+        if where is not None:
+            structure = replace(structure, found=True, where=where)
     if structure.found:
         share = max(structure.share, share_left(explanation, best))
         structure = replace(structure, share=share)

@@ -47,7 +47,7 @@ def disproved(
     """
     noise = choice.fit.ground.noise
     off, counted = judged(problem, explanation, choice, off)
-    if refuted(problem, off, counted, noise):
+    if refuted(problem, off, counted):
         return replace(structure, found=True, where=HELDOUT)
     if problem.derivatives is not None or rounded(explanation, choice):
         return structure
@@ -75,33 +75,40 @@ def judged(
     return off, counted
 
 
-def refuted(problem: Problem, off: np.ndarray, counted: np.ndarray, noise: NoiseModel) -> bool:
+def refuted(problem: Problem, off: np.ndarray, counted: np.ndarray) -> bool:
     """Whether the held-out rows refute what the training rows seemed to say.
 
     They do where the error `off` (n,) on counted rows (n,) is there over twice that on training
-    rows and half of what it was before; and where it is far beyond both training rows and noise.
-    What lies beyond the commands that were fitted refutes nothing, see `carried_too_far`.
+    rows and half of what it was before. What lies beyond the commands fitted refutes nothing.
     """
-    train, heldout = problem.train & counted, problem.heldout & counted
-    if np.any(heldout & ~beyond(problem)):
-        heldout &= ~beyond(problem)
+    heldout = within(problem, counted)
     before = (problem.measured - problem.simulated)[heldout]
-    left, fitted = root_mean(off[heldout] ** 2), root_mean(off[train] ** 2)
-    worse = left > TWICE * fitted and left > HALF * root_mean(before**2)
-    return worse or left > usual(off[train], noise)
+    left, fitted = root_mean(off[heldout] ** 2), root_mean(off[problem.train & counted] ** 2)
+    return left > TWICE * fitted and left > HALF * root_mean(before**2)
 
 
-def carried_too_far(
+def strained(
     problem: Problem, off: np.ndarray, counted: np.ndarray, noise: NoiseModel
-) -> bool:
-    """Whether an explanation errs at held-out commands beyond those that were fitted.
+) -> str | None:
+    """Where held-out rows (as in `disproved`) are off by more than usual, though none refuted.
 
-    off: (n,) as in `disproved`. Names that hold between those commands hold there all the same.
+    Names stay then: they may hold, though not all is said; what holds between the commands that
+    were fitted holds there all the same if it errs beyond them.
     """
+    least = usual(off[problem.train & counted], noise)
+    if root_mean(off[within(problem, counted)] ** 2) > least:
+        return HELDOUT
     far = problem.heldout & counted & beyond(problem)
-    if far.sum() < FEWEST_BEYOND:
-        return False
-    return root_mean(off[far] ** 2) > usual(off[problem.train & counted], noise)
+    if far.sum() >= FEWEST_BEYOND and root_mean(off[far] ** 2) > least:
+        return BEYOND
+    return None
+
+
+def within(problem: Problem, counted: np.ndarray) -> np.ndarray:
+    """Held-out rows (n,) that count, without those beyond the commands fitted if any is left."""
+    heldout = problem.heldout & counted
+    inside = heldout & ~beyond(problem)
+    return inside if np.any(inside) else heldout
 
 
 def beyond(problem: Problem) -> np.ndarray:

@@ -9,7 +9,7 @@ import pytest
 from pipeline.config import DiagnosisConfig
 from pipeline.discrepancy.noise import NoiseModel
 from pipeline.discrepancy.problem import Problem, pose_problem
-from pipeline.discrepancy.proof import carried_too_far, refuted, unwitnessed
+from pipeline.discrepancy.proof import BEYOND, HELDOUT, refuted, strained, unwitnessed
 from pipeline.recording import Channel, Recording, with_context
 
 ROWS = 900
@@ -49,11 +49,11 @@ def left(problem: Problem, heldout: float, fitted: float = 1.0) -> np.ndarray:
         ((2.5, 1.0), WALK, True),
     ],
 )
-def test_errors_far_beyond_the_noise_refute(off, noise, is_so):
+def test_errors_far_beyond_the_noise_are_said_and_take_no_names(off, noise, is_so):
     problem = posed()
     every = np.ones(ROWS, dtype=bool)
-    refutes = refuted(problem, left(problem, *off), every, noise)
-    assert refutes == is_so
+    assert strained(problem, left(problem, *off), every, noise) == (HELDOUT if is_so else None)
+    assert not refuted(problem, left(problem, *off), every)
 
 
 def test_what_lies_beyond_the_commands_fitted_refutes_nothing_and_is_said():
@@ -63,10 +63,10 @@ def test_what_lies_beyond_the_commands_fitted_refutes_nothing_and_is_said():
     assert np.all(problem.heldout[far])
     off[far] *= 5.0
     every = np.ones(ROWS, dtype=bool)
-    assert not refuted(problem, off, every, NOISE)
-    assert carried_too_far(problem, off, every, NOISE)
-    assert not carried_too_far(problem, off, ~far, NOISE)
-    assert not carried_too_far(posed(), off, every, NOISE)
+    assert not refuted(problem, off, every)
+    assert strained(problem, off, every, NOISE) == BEYOND
+    assert strained(problem, off, ~far, NOISE) is None
+    assert strained(posed(), off, every, NOISE) != BEYOND
 
 
 @pytest.mark.parametrize(
