@@ -24,7 +24,7 @@ from pipeline.discrepancy.noise import NoiseModel
 from pipeline.discrepancy.notes import accuracy_note, notes, smooth_error
 from pipeline.discrepancy.outliers import isolated
 from pipeline.discrepancy.problem import Problem
-from pipeline.discrepancy.proof import disproved, judged, root_mean, strained
+from pipeline.discrepancy.proof import counted_errors, disproved, root_mean, strained
 from pipeline.discrepancy.refit import likeliest, refitted
 from pipeline.discrepancy.result import (
     Calibration,
@@ -121,7 +121,7 @@ def decided(problem: Problem, explanation: Explanation) -> tuple[Choice, Structu
     elif structure.found:
         best = fewer(explanation, best)
     elif not accurate:
-        off, counted = judged(problem, explanation, best, off)
+        off, counted = counted_errors(problem, explanation, best, off)
         where = strained(problem, off, counted, best.fit.ground.noise)
         if where is not None:
             structure = replace(structure, found=True, where=where)

@@ -46,7 +46,7 @@ def disproved(
     asked.
     """
     noise = choice.fit.ground.noise
-    off, counted = judged(problem, explanation, choice, off)
+    off, counted = counted_errors(problem, explanation, choice, off)
     if refuted(problem, off, counted):
         return replace(structure, found=True, where=HELDOUT)
     if problem.derivatives is not None or rounded(explanation, choice):
@@ -64,7 +64,7 @@ def disproved(
     return Structure(True, SLOWLY, share, p_value, wandering=likely)
 
 
-def judged(
+def counted_errors(
     problem: Problem, explanation: Explanation, choice: Choice, off: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Errors (n,), less each cycle's zero where these differ, and the rows (n,) that count."""

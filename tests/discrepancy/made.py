@@ -3,6 +3,9 @@
 import numpy as np
 import pandas as pd
 
+from pipeline.config import DiagnosisConfig
+from pipeline.discrepancy.explain import Explanation, explain
+from pipeline.discrepancy.problem import pose_problem
 from pipeline.physics.catalogue import term
 from pipeline.physics.kinematics import CubicCurve
 from pipeline.physics.mechanism import Mechanism, Piece
@@ -74,3 +77,9 @@ def recorded(
         }
     )
     return Recording(samples, CHANNELS, "simulated")
+
+
+def explained(recording: Recording) -> Explanation:
+    """What explains the angle of such a recording."""
+    simulated = recording.values("pitch_angle_sim_deg")
+    return explain(pose_problem(DiagnosisConfig(), recording, "pitch_angle_deg", simulated))

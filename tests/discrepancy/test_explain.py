@@ -5,17 +5,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pipeline.config import DiagnosisConfig
 from pipeline.discrepancy.choose import choose
 from pipeline.discrepancy.contested import contested, levelled, rival_names
-from pipeline.discrepancy.explain import explain, refuted, searched_wide, with_plain
+from pipeline.discrepancy.explain import refuted, searched_wide, with_plain
 from pipeline.discrepancy.fit import evaluate, improve
 from pipeline.discrepancy.moves import loosened, stopped, tautened
-from pipeline.discrepancy.problem import pose_problem
 from pipeline.discrepancy.ties import as_itself, undisguised
 from pipeline.physics.catalogue import term
 from pipeline.physics.mechanism import Piece
-from tests.discrepancy.made import recorded
+from tests.discrepancy.made import explained, recorded
 
 
 def test_a_rest_that_repeats_is_no_noise_and_a_search_without_shortcuts_explains_it():
@@ -24,8 +22,7 @@ def test_a_rest_that_repeats_is_no_noise_and_a_search_without_shortcuts_explains
         "friction": {"width": 3.0, "reach": 3.0},
     }
     recording = recorded(hidden, seed=1)
-    simulated = recording.values("pitch_angle_sim_deg")
-    found = explain(pose_problem(DiagnosisConfig(), recording, "pitch_angle_deg", simulated))
+    found = explained(recording)
     search, best = found.search, found.choices[0]
     alone = [c for c in found.choices if len(c.fit.pieces) < 2]
     assert not refuted(search, best)
@@ -38,8 +35,7 @@ def test_a_rest_that_repeats_is_no_noise_and_a_search_without_shortcuts_explains
 def test_a_rival_that_lacks_a_name_is_looked_for_from_the_beginning():
     hidden = {"backlash": {"width": 3.0}, "creep": {"share": 0.1, "time_constant": 40.0}}
     recording = recorded(hidden, seed=2)
-    simulated = recording.values("pitch_angle_sim_deg")
-    found = explain(pose_problem(DiagnosisConfig(), recording, "pitch_angle_deg", simulated))
+    found = explained(recording)
     best = found.choices[0]
     drift = Piece(term("drift", "linear"), np.array([0.2]))
     fit = evaluate(best.fit.ground, (*best.fit.pieces, drift))
@@ -54,8 +50,7 @@ def test_a_rival_that_lacks_a_name_is_looked_for_from_the_beginning():
 def test_a_weight_that_unloads_a_wire_is_no_lens_with_a_ripple():
     hidden = {"gravity/unloading": {"deflection": 14.0, "zero": 2.1, "pretension": 8.0}}
     recording = recorded(hidden, seed=3)
-    simulated = recording.values("pitch_angle_sim_deg")
-    found = explain(pose_problem(DiagnosisConfig(), recording, "pitch_angle_deg", simulated))
+    found = explained(recording)
     (piece,) = found.choices[0].fit.pieces
     assert (piece.term.name, piece.term.form) == ("gravity", "unloading")
     np.testing.assert_allclose(piece.values, [14.0, 2.1, 8.0], rtol=0.1)
@@ -66,8 +61,7 @@ def test_a_lens_that_bends_less_towards_its_edge_draws_no_second_name():
         "lens_distortion/second": {"distortion": -1.2e-4, "centre": -2.0, "distortion_2": 4e-8}
     }
     recording = recorded(hidden, seed=5)
-    simulated = recording.values("pitch_angle_sim_deg")
-    found = explain(pose_problem(DiagnosisConfig(), recording, "pitch_angle_deg", simulated))
+    found = explained(recording)
     assert len(found.choices[0].fit.pieces) == 1
 
 
@@ -80,16 +74,14 @@ def test_a_lens_that_bends_less_towards_its_edge_draws_no_second_name():
 )
 def test_a_load_that_grows_with_the_bend_draws_no_second_name(hidden):
     recording = recorded(hidden, seed=8)
-    simulated = recording.values("pitch_angle_sim_deg")
-    found = explain(pose_problem(DiagnosisConfig(), recording, "pitch_angle_deg", simulated))
+    found = explained(recording)
     (piece,) = found.choices[0].fit.pieces
     assert f"{piece.term.name}/{piece.term.form}" in hidden
 
 
 def test_what_a_choice_is_in_disguise_is_fitted_anew_where_a_search_fitted_it_badly():
     recording = recorded({"backlash": {"width": 3.0}}, seed=9)
-    simulated = recording.values("pitch_angle_sim_deg")
-    found = explain(pose_problem(DiagnosisConfig(), recording, "pitch_angle_deg", simulated))
+    found = explained(recording)
     search, ground = found.search, found.choices[0].fit.ground
     play = Piece(term("tension_loss"), np.array([1e-5, 2.9]))
     growing = search.weighed(improve(evaluate(ground, (play,))), (0, 0, 0))
@@ -104,8 +96,7 @@ def test_friction_alone_leaves_a_part_of_its_loop_to_slack():
         "slack/home": {"width": 2.0, "rounding": 0.2, "stiffness": 0.02},
     }
     recording = recorded(hidden, seed=4)
-    simulated = recording.values("pitch_angle_sim_deg")
-    found = explain(pose_problem(DiagnosisConfig(), recording, "pitch_angle_deg", simulated))
+    found = explained(recording)
     search, ground = found.search, found.choices[0].fit.ground
     begun = evaluate(ground, (Piece(term("friction"), np.array([4.3, 4.1, 0.1])),))
     alone = search.weighed(improve(begun), (0, 0, 0), 12)
@@ -118,8 +109,7 @@ def test_friction_alone_leaves_a_part_of_its_loop_to_slack():
 def test_slack_in_whose_middle_the_wires_still_pull_is_a_toe():
     toe = {"softness": 0.35, "reach": 6.0, "stretch": 0.1, "stiffness": 0.2}
     recording = recorded({"compliance/toe": toe, "friction": {"width": 9.0, "reach": 4.0}}, seed=6)
-    simulated = recording.values("pitch_angle_sim_deg")
-    found = explain(pose_problem(DiagnosisConfig(), recording, "pitch_angle_deg", simulated))
+    found = explained(recording)
     search, ground = found.search, found.choices[0].fit.ground
     held = Piece(term("friction"), np.array([9.0, 4.0, 0.7]))
 
@@ -137,8 +127,7 @@ def test_slack_in_whose_middle_the_wires_still_pull_is_a_toe():
 def test_a_contact_that_is_as_stiff_as_can_be_is_an_end_stop():
     stop = {"angle": 20.0, "softness": 0.05, "give": 0.02}
     recording = recorded({"end_stop/upper": stop, "backlash": {"width": 3.0}}, seed=7)
-    simulated = recording.values("pitch_angle_sim_deg")
-    found = explain(pose_problem(DiagnosisConfig(), recording, "pitch_angle_deg", simulated))
+    found = explained(recording)
     search, ground = found.search, found.choices[0].fit.ground
     play = Piece(term("backlash"), np.array([3.0]))
     touched = Piece(term("contact", "upper"), np.array([4.0, 19.0, 0.3]))
@@ -154,8 +143,7 @@ def test_a_contact_that_is_as_stiff_as_can_be_is_an_end_stop():
 
 def test_a_near_rival_is_weighed_in_the_form_that_suits_it():
     recording = recorded({"response_lag/second": {"natural_frequency": 0.15, "damping": 0.3}})
-    simulated = recording.values("pitch_angle_sim_deg")
-    found = explain(pose_problem(DiagnosisConfig(), recording, "pitch_angle_deg", simulated))
+    found = explained(recording)
     search, best = found.search, found.choices[0]
 
     def alone(name: str, value: float):
@@ -177,16 +165,14 @@ def test_slack_off_home_is_found_beside_a_ripple():
         "transmission_ripple": {"amplitude": 1.2, "period": 45.0, "phase": 1.0},
     }
     recording = recorded(hidden, seed=1)
-    simulated = recording.values("pitch_angle_sim_deg")
-    found = explain(pose_problem(DiagnosisConfig(), recording, "pitch_angle_deg", simulated))
+    found = explained(recording)
     assert set(found.choices[0].fit.names) == set(hidden)
 
 
 def test_a_second_name_is_grown_before_a_third_is_looked_for():
     hidden = {"coupling": {}, "slack": {"width": 4.0, "centre": 3.0}}
     recording = recorded(hidden, seed=1, two_axes=True)
-    simulated = recording.values("pitch_angle_sim_deg")
-    found = explain(pose_problem(DiagnosisConfig(), recording, "pitch_angle_deg", simulated))
+    found = explained(recording)
     begun = choose(found.search, found.choices[0].fit.ground)
     assert len(begun[0].fit.pieces) == 2
 
@@ -197,6 +183,5 @@ def test_play_and_an_old_frame_are_one_lag_of_second_order():
         "slack": {"width": 4.5, "centre": 2.5},
     }
     recording = recorded(hidden, seed=1)
-    simulated = recording.values("pitch_angle_sim_deg")
-    found = explain(pose_problem(DiagnosisConfig(), recording, "pitch_angle_deg", simulated))
+    found = explained(recording)
     assert set(found.choices[0].fit.names) == {"response_lag", "slack"}

@@ -5,14 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pipeline.config import DiagnosisConfig
-from pipeline.discrepancy.explain import Explanation, explain
+from pipeline.discrepancy.explain import Explanation
 from pipeline.discrepancy.faint import without_faint
 from pipeline.discrepancy.fit import evaluate, improve
-from pipeline.discrepancy.problem import pose_problem
 from pipeline.physics.catalogue import term
 from pipeline.physics.mechanism import Piece
-from tests.discrepancy.made import recorded
+from tests.discrepancy.made import explained, recorded
 
 RIPPLE = term("transmission_ripple")
 
@@ -21,8 +19,7 @@ def rippled(amplitude: float, **others: dict[str, float]) -> Explanation:
     """An explanation whose best choice has a ripple beside the others, as if it were worth it."""
     ripple = {"amplitude": amplitude, "period": 30.0, "phase": 1.0}
     recording = recorded({**others, "transmission_ripple": ripple}, seed=1)
-    simulated = recording.values("pitch_angle_sim_deg")
-    found = explain(pose_problem(DiagnosisConfig(), recording, "pitch_angle_deg", simulated))
+    found = explained(recording)
     best = next(c for c in found.choices if set(c.fit.names) >= set(others))
     kept = [p for p in best.fit.pieces if p.term.name in others]
     wave = Piece(RIPPLE, np.array([amplitude, 30.0, 1.0]))
