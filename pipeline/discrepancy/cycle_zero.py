@@ -46,8 +46,10 @@ def about_each_zero(residual: np.ndarray, cycle: np.ndarray, counted: np.ndarray
     return np.asarray(residual - (sums / np.maximum(counts, 1))[place])
 
 
-def zero_of_each_cycle(problem: Problem, choice: Choice, evidence: Evidence) -> NamedPhysics:
+def zero_of_each_cycle(problem: Problem, choice: Choice, evidence: Evidence) -> NamedPhysics | None:
     """The drift of a zero that wanders from cycle to cycle: the deviation of the cycles' means."""
+    if not wanders_by_cycle(choice):
+        return None
     size, low, high = deviation_of(zeros_of(choice))
     unit = problem.around.angle_unit
     off, counted = evidence.measured - evidence.after, evidence.heldout & evidence.used

@@ -1,50 +1,42 @@
 """One measurement's diagnosis from its explanation: names, proof, calibration and verdict."""
 
-from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from pipeline.discrepancy.accuracy import calibrated_alone, within_accuracy
-from pipeline.discrepancy.by_direction import by_direction, said_of_ways
 from pipeline.discrepancy.charge import absurd_calibration
 from pipeline.discrepancy.choose import Choice
-from pipeline.discrepancy.cycle_zero import wanders_by_cycle, zero_of_each_cycle
+from pipeline.discrepancy.cycle_zero import wanders_by_cycle
 from pipeline.discrepancy.explain import Explanation, explain, not_excited
 from pipeline.discrepancy.faint import without_faint
-from pipeline.discrepancy.fit import evaluate, improve
 from pipeline.discrepancy.force_delay import delay_of, late
 from pipeline.discrepancy.force_noise import noise_of_samples
 from pipeline.discrepancy.force_problem import averaged
 from pipeline.discrepancy.foretold import foretold_part, testable
-from pipeline.discrepancy.intervals import covariance_of, estimates, stated, wide_covariance
-from pipeline.discrepancy.mistaken import mistaken_frames, said_of, stale, stale_now_and_then
+from pipeline.discrepancy.intervals import covariance_of, wide_covariance
 from pipeline.discrepancy.model import CorrectedModel, Hypothesis
+from pipeline.discrepancy.named import named_physics, verdict_of
 from pipeline.discrepancy.noise import NoiseModel
 from pipeline.discrepancy.notes import accuracy_note, notes, smooth_error
 from pipeline.discrepancy.outliers import isolated
 from pipeline.discrepancy.problem import Problem
-from pipeline.discrepancy.proof import counted_errors, disproved, root_mean, strained
+from pipeline.discrepancy.proof import counted_errors, disproved, strained
 from pipeline.discrepancy.refit import likeliest, refitted
 from pipeline.discrepancy.result import (
     Calibration,
     Diagnosis,
-    Errors,
     Evidence,
-    NamedPhysics,
     Unexplained,
 )
 from pipeline.discrepancy.rivals import hypotheses_of, mechanism_of
 from pipeline.discrepancy.structure import Structure, share_left, structure_of
 from pipeline.discrepancy.thinning import thinned
-from pipeline.discrepancy.ties import Standing, standing, undisguised
+from pipeline.discrepancy.ties import undisguised
 from pipeline.discrepancy.verdict import fewer, follows, sure_of_slow
 from pipeline.discrepancy.zero import zero_at_end
-from pipeline.physics.coupling import Coupling
 from pipeline.physics.drift import Drift
 from pipeline.recording import Recording
-
-SUREST = 0.98
 
 
 def diagnose_measurement(
@@ -76,7 +68,7 @@ def diagnose_measurement(
     if wanders_by_cycle(best) and any(p.name == Drift.name for p in physics):
         noise = replace(noise, jitter=0.0)
     evidence = replace(evidence, noise=noise)
-    before, after = errors(evidence, evidence.before), errors(evidence, evidence.after)
+    before, after = evidence.errors(evidence.before), evidence.errors(evidence.after)
     verdict = verdict_of(explanation, best, physics, structure)
     diagnosis = Diagnosis(
         measurement=measurement,
@@ -233,92 +225,3 @@ def evidence_of(
         noise=model.noise,
         hypotheses=hypotheses,
     )
-
-
-def errors(evidence: Evidence, predicted: np.ndarray) -> Errors:
-    """Root mean squares over measured rows that are no outliers."""
-    square = (evidence.measured - predicted) ** 2
-    train, heldout = evidence.train & evidence.used, evidence.heldout & evidence.used
-    return Errors(root_mean(square[train]), root_mean(square[heldout]))
-
-
-def named_physics(
-    explanation: Explanation,
-    best: Choice,
-    evidence: Evidence,
-    structure: Structure,
-    covariance: np.ndarray,
-) -> tuple[NamedPhysics, ...]:
-    """Every term of the best choice, and outliers where there are enough."""
-    problem, fit = explanation.problem, best.fit
-    mopping = structure.found and problem.motion.kinetics is None
-    out: dict[str, NamedPhysics] = {}
-    for piece, own in estimates(fit, covariance):
-        name = piece.term.name
-        stands = standing(name, best, explanation.choices, problem)
-        if isinstance(piece.term, Coupling) and fit.names.count(name) > 1:
-            own = tuple(replace(e, name=f"{e.name} of {piece.term.channel}") for e in own)
-        if name in out:
-            says = f"{out[name].says} {piece.term.sentence(piece.values, problem.around)}"
-            out[name] = replace(out[name], parameters=(*out[name].parameters, *own), says=says)
-            continue
-        probability = stands.probability * (0.5 if mopping else 1.0)
-        ways = by_direction(best, piece, explanation.search.family)
-        says = piece.term.sentence(stated(fit, piece), problem.around)
-        out[name] = NamedPhysics(
-            name=name,
-            site=piece.term.site,
-            probability=min(probability, SUREST),
-            parameters=(*own, *ways),
-            heldout_rmse_without=error_without(best, name, evidence),
-            alternatives=stands.alternatives,
-            says=says + said_of_ways(piece, ways),
-        )
-    again = stale_now_and_then(problem, evidence)
-    if again is not None and again.name not in out:
-        out[again.name] = again
-    if problem.motion.kinetics is None and not structure.found and wanders_by_cycle(best):
-        out[Drift.name] = zero_of_each_cycle(problem, best, evidence)
-    mistaken = None if problem.motion.kinetics else mistaken_frames(explanation)
-    if mistaken is not None and not structure.found:
-        all_rows = np.isfinite(evidence.measured) & evidence.heldout
-        name = "frame_lag" if stale(explanation) and "frame_lag" not in out else "marker_outliers"
-        out[name] = NamedPhysics(
-            name=name,
-            site="sensor",
-            probability=0.97,
-            parameters=mistaken,
-            heldout_rmse_without=root_mean(((evidence.measured - evidence.after) ** 2)[all_rows]),
-            alternatives=(),
-            says=said_of(name, mistaken, problem),
-        )
-    return tuple(out.values())
-
-
-def error_without(best: Choice, name: str, evidence: Evidence) -> float:
-    """Held-out error of the refitted rest when a name is taken out."""
-    rest = [p for p in best.fit.pieces if p.term.name != name]
-    fit = improve(evaluate(best.fit.ground, rest))
-    mechanism = mechanism_of(fit.ground.problem, Choice(fit, best.place, 0.0))
-    return errors(evidence, mechanism.respond(evidence.motion)[0]).heldout_rmse
-
-
-def verdict_of(
-    explanation: Explanation,
-    best: Choice,
-    physics: Sequence[NamedPhysics],
-    structure: Structure,
-) -> str:
-    """One of the contract's verdicts."""
-    if structure.found:
-        return "partly_explained" if physics else "unknown_physics"
-    if not physics:
-        return "no_mismatch"
-    stands = [_standing_of(p.name, explanation, best) for p in physics]
-    return "ambiguous" if any(s.tied for s in stands) else "explained"
-
-
-def _standing_of(name: str, explanation: Explanation, best: Choice) -> Standing:
-    if name not in best.fit.names:
-        return Standing(1.0, (), False)
-    return standing(name, best, explanation.choices, explanation.problem)

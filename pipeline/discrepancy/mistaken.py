@@ -1,16 +1,18 @@
 """Mistaken or stale frames: are the outliers more than noise would give, and how large are they?"""
 
+from collections.abc import Container
+
 import numpy as np
 
 from pipeline.discrepancy.explain import INCREDIBLE, Explanation
 from pipeline.discrepancy.intervals import undated
 from pipeline.discrepancy.problem import Problem
-from pipeline.discrepancy.result import Estimate, Evidence, NamedPhysics
+from pipeline.discrepancy.result import Estimate, Evidence, NamedPhysics, root_mean
 from pipeline.physics.catalogue import term
 
 FEWEST = 3
 CREDIBLE, NEARLY_ALL = 3.0, 0.8
-Z, STALE_SURELY = 1.96, 0.97
+Z, SURELY = 1.96, 0.97
 AGAIN = "In {share:.2g} of the samples the sensor says again what it said in the one before."
 STALE = (
     "In {share:.2g} of the frames the camera shows the pose of the frame before: "
@@ -18,7 +20,27 @@ STALE = (
 )
 
 
-def mistaken_frames(explanation: Explanation) -> tuple[Estimate, Estimate] | None:
+def mistaken_frames(
+    explanation: Explanation, evidence: Evidence, taken: Container[str]
+) -> NamedPhysics | None:
+    """Frames that are mistaken, or stale where no name taken says so; None where too few are."""
+    found = share_and_size(explanation)
+    if found is None:
+        return None
+    name = "frame_lag" if stale(explanation) and "frame_lag" not in taken else "marker_outliers"
+    off, heldout = evidence.measured - evidence.after, evidence.heldout
+    return NamedPhysics(
+        name=name,
+        site="sensor",
+        probability=SURELY,
+        parameters=found,
+        heldout_rmse_without=root_mean((off**2)[np.isfinite(off) & heldout]),
+        alternatives=(),
+        says=said_of(name, found, explanation.problem),
+    )
+
+
+def share_and_size(explanation: Explanation) -> tuple[Estimate, Estimate] | None:
     """Share and size of the outliers with 95 % intervals, or None where there are too few.
 
     Judged on training rows that the noise does not make credible; neighbours count once, and those
@@ -59,7 +81,7 @@ def stale_now_and_then(problem: Problem, evidence: Evidence) -> NamedPhysics | N
     return NamedPhysics(
         name="frame_lag",
         site="sensor",
-        probability=STALE_SURELY,
+        probability=SURELY,
         parameters=(share,),
         heldout_rmse_without=float(np.sqrt(np.mean((came - evidence.after)[held] ** 2))),
         alternatives=(),

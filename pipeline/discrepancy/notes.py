@@ -9,8 +9,7 @@ from pipeline.discrepancy.explain import Explanation
 from pipeline.discrepancy.fitted import LOOSE_GAIN
 from pipeline.discrepancy.inputs import input_shares, said_shares
 from pipeline.discrepancy.problem import Problem
-from pipeline.discrepancy.proof import root_mean
-from pipeline.discrepancy.result import Evidence
+from pipeline.discrepancy.result import Evidence, root_mean
 from pipeline.discrepancy.verdict import intolerable
 from pipeline.physics.differentiation import Derivatives
 

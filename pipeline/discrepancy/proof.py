@@ -11,6 +11,7 @@ from pipeline.discrepancy.intervals import undated
 from pipeline.discrepancy.noise import NoiseModel
 from pipeline.discrepancy.outliers import isolated
 from pipeline.discrepancy.problem import Problem
+from pipeline.discrepancy.result import root_mean
 from pipeline.discrepancy.structure import (
     CHANCE,
     SLOW_CORRELATION,
@@ -136,8 +137,3 @@ def unwitnessed(explanation: Explanation, choice: Choice, left: np.ndarray) -> b
     noise = choice.fit.ground.noise
     alone = bool(choice.fit.pieces) and noise.walk > 0.0 and explanation.prior.repeats == 0
     return alone and root_mean(left**2) > TWICE * float(np.hypot(noise.deviation, noise.jitter))
-
-
-def root_mean(square: np.ndarray) -> float:
-    """Root mean square, given squares; NaN of none."""
-    return float(np.sqrt(np.mean(square))) if len(square) else float("nan")

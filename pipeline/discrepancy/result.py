@@ -149,6 +149,17 @@ class Evidence:
         """Measurement minus corrected simulation, (n,); NaN where not measured."""
         return self.measured - self.after
 
+    def errors(self, predicted: np.ndarray) -> Errors:
+        """Those of a prediction (n,), over measured rows that are no outliers."""
+        square = (self.measured - predicted) ** 2
+        train, heldout = self.train & self.used, self.heldout & self.used
+        return Errors(root_mean(square[train]), root_mean(square[heldout]))
+
+
+def root_mean(square: np.ndarray) -> float:
+    """Root mean square, given squares; NaN of none."""
+    return float(np.sqrt(np.mean(square))) if len(square) else float("nan")
+
 
 @dataclass(frozen=True)
 class DiagnosisResult:

@@ -1,0 +1,108 @@
+"""The names of a diagnosis: of its terms, and of what no term of a search can show."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from pipeline.discrepancy.by_direction import by_direction, said_of_ways
+from pipeline.discrepancy.choose import Choice
+from pipeline.discrepancy.cycle_zero import zero_of_each_cycle
+from pipeline.discrepancy.explain import Explanation
+from pipeline.discrepancy.fit import evaluate, improve
+from pipeline.discrepancy.intervals import estimates, stated
+from pipeline.discrepancy.mistaken import mistaken_frames, stale_now_and_then
+from pipeline.discrepancy.result import Evidence, NamedPhysics
+from pipeline.discrepancy.rivals import mechanism_of
+from pipeline.discrepancy.structure import Structure
+from pipeline.discrepancy.ties import Standing, standing
+from pipeline.physics.coupling import Coupling
+
+SUREST = 0.98
+
+
+def named_physics(
+    explanation: Explanation,
+    best: Choice,
+    evidence: Evidence,
+    structure: Structure,
+    covariance: np.ndarray,
+) -> tuple[NamedPhysics, ...]:
+    """Every term of the best choice, and what the sensor or each cycle's zero does beside them."""
+    out: dict[str, NamedPhysics] = {}
+    for found in of_terms(explanation, best, evidence, structure, covariance):
+        before = out.get(found.name)
+        out[found.name] = found if before is None else together(before, found)
+    force = explanation.problem.motion.kinetics is not None
+    beside = [stale_now_and_then(explanation.problem, evidence)]
+    if not (structure.found or force):
+        told = {*out, *(b.name for b in beside if b is not None)}
+        beside.append(zero_of_each_cycle(explanation.problem, best, evidence))
+        beside.append(mistaken_frames(explanation, evidence, told))
+    for own in beside:
+        if own is not None:
+            out.setdefault(own.name, own)
+    return tuple(out.values())
+
+
+def of_terms(
+    explanation: Explanation,
+    best: Choice,
+    evidence: Evidence,
+    structure: Structure,
+    covariance: np.ndarray,
+) -> Iterator[NamedPhysics]:
+    """What each piece of the best choice is: half as probable where a rest is left unexplained."""
+    problem, fit = explanation.problem, best.fit
+    mopping = structure.found and problem.motion.kinetics is None
+    for piece, own in estimates(fit, covariance):
+        name = piece.term.name
+        stands = standing(name, best, explanation.choices, problem)
+        if isinstance(piece.term, Coupling) and fit.names.count(name) > 1:
+            own = tuple(replace(e, name=f"{e.name} of {piece.term.channel}") for e in own)
+        ways = by_direction(best, piece, explanation.search.family)
+        says = piece.term.sentence(stated(fit, piece), problem.around)
+        yield NamedPhysics(
+            name=name,
+            site=piece.term.site,
+            probability=min(stands.probability * (0.5 if mopping else 1.0), SUREST),
+            parameters=(*own, *ways),
+            heldout_rmse_without=error_without(best, name, evidence),
+            alternatives=stands.alternatives,
+            says=says + said_of_ways(piece, ways),
+        )
+
+
+def together(one: NamedPhysics, other: NamedPhysics) -> NamedPhysics:
+    """Two pieces of one name, as its two sides are."""
+    parameters = (*one.parameters, *other.parameters)
+    return replace(one, parameters=parameters, says=f"{one.says} {other.says}")
+
+
+def error_without(best: Choice, name: str, evidence: Evidence) -> float:
+    """Held-out error of the refitted rest when a name is taken out."""
+    rest = [p for p in best.fit.pieces if p.term.name != name]
+    fit = improve(evaluate(best.fit.ground, rest))
+    mechanism = mechanism_of(fit.ground.problem, Choice(fit, best.place, 0.0))
+    return evidence.errors(mechanism.respond(evidence.motion)[0]).heldout_rmse
+
+
+def verdict_of(
+    explanation: Explanation,
+    best: Choice,
+    physics: Sequence[NamedPhysics],
+    structure: Structure,
+) -> str:
+    """One of the contract's verdicts."""
+    if structure.found:
+        return "partly_explained" if physics else "unknown_physics"
+    if not physics:
+        return "no_mismatch"
+    stands = [_standing_of(p.name, explanation, best) for p in physics]
+    return "ambiguous" if any(s.tied for s in stands) else "explained"
+
+
+def _standing_of(name: str, explanation: Explanation, best: Choice) -> Standing:
+    if name not in best.fit.names:
+        return Standing(1.0, (), False)
+    return standing(name, best, explanation.choices, explanation.problem)
