@@ -27,6 +27,7 @@ DISGUISES = {
     "slack": "compliance",
     "compliance": "slack",
 }
+SHAPES = 2
 TEMPERATURE = 2.0
 BENDS = frozenset({"camera_tilt", "lens_distortion", "compliance", "gravity"})
 SAME_AT_ONE_DWELL = (frozenset({"creep", "response_lag"}),)
@@ -87,7 +88,10 @@ def plain(choice: Choice) -> frozenset[str]:
 
     A play whose growth is not worth a parameter, or whose corners are surely sharp, is backlash; a
     dead zone whose width is not worth one is wire that gives way at first, and wire that gives way
-    within less than a step and no more hung slack, but not a toe, which hardens on the way.
+    within less than a step and no more hung slack, but not a toe, which hardens on the way. Whether
+    growth is worth a parameter is asked with the shape of its course held, and that charged for,
+    too: of a growth that is none nothing can be learnt of its course (Davies, Biometrika 64 (1977)
+    247), and with both free a growth that is surely there looks as if it might not be.
     """
     return frozenset(plainly(choice.fit))
 
@@ -106,8 +110,11 @@ def plainly(fit: Fit) -> list[str]:
     for i, piece in enumerate(fit.pieces):
         name, hidden = piece.term.name, False
         if name in ("tension_loss", "slack"):
-            worth = np.log(independent(fit.ground))
-            hidden = bool(piece.values[0] ** 2 <= worth * covariance_of(fit)[k, k])
+            last = k + len(piece.values) if name == "tension_loss" else k + SHAPES
+            shape = np.arange(k + SHAPES, last)
+            worth = (1 + len(shape)) * np.log(independent(fit.ground))
+            size = variance_given(covariance_of(fit), k, shape)
+            hidden = bool(piece.values[0] ** 2 <= worth * size)
         elif isinstance(piece.term, Friction):
             hidden = sharp(fit, i)
         elif isinstance(piece.term, Compliance) and piece.term.form not in ("joint", "toe"):
@@ -116,6 +123,15 @@ def plainly(fit: Fit) -> list[str]:
         found.append(DISGUISES[name] if hidden else name)
         k += len(piece.values)
     return found
+
+
+def variance_given(covariance: np.ndarray, at: int, known: np.ndarray) -> float:
+    """Variance of one parameter (m, m) where others (their places) are known, of a Gaussian."""
+    deviations = np.sqrt(np.maximum(np.diag(covariance), 1e-300))
+    correlation = covariance / np.outer(deviations, deviations)
+    along = correlation[at, known]
+    told = along @ np.linalg.pinv(correlation[np.ix_(known, known)], hermitian=True) @ along
+    return float(covariance[at, at] * max(1.0 - told, 0.0))
 
 
 def undisguised(choices: Sequence[Choice]) -> Choice:

@@ -8,7 +8,7 @@ from pipeline.discrepancy.fit import Ground, evaluate, ground_of
 from pipeline.discrepancy.intervals import covariance_of
 from pipeline.discrepancy.noise import NoiseModel
 from pipeline.discrepancy.problem import pose_problem
-from pipeline.discrepancy.ties import plainly
+from pipeline.discrepancy.ties import plainly, variance_given
 from pipeline.physics.catalogue import term
 from pipeline.physics.mechanism import Piece
 from tests.discrepancy.made import NOISE, recorded
@@ -29,6 +29,19 @@ def test_a_play_whose_growth_is_not_worth_a_parameter_is_backlash(ground, deviat
 
     deviation = np.sqrt(covariance_of(grown(1e-5))[2, 2])
     assert plainly(grown(deviations * deviation)) == [name]
+
+
+def test_a_growth_that_is_surely_there_stays_one_where_its_course_is_unsure(ground):
+    """One that begins faster and settles sooner looks nearly the same."""
+
+    def grown(growth):
+        return evaluate(ground, [Piece(term("tension_loss", "settling"), growth)])
+
+    unsure = np.array([0.0008, 1.9, 700.0])
+    covariance = covariance_of(grown(unsure))
+    alone = np.sqrt(variance_given(covariance, 2, np.array([4])))
+    assert plainly(grown(unsure)) == ["tension_loss"]
+    assert unsure[0] > 4.0 * alone and unsure[0] < 2.0 * np.sqrt(covariance[2, 2])
 
 
 @pytest.mark.parametrize(("stretch", "name"), [(0.06, "slack"), (0.0, "compliance")])
