@@ -41,7 +41,7 @@ def test_a_growth_that_is_surely_there_stays_one_where_its_course_is_unsure(grou
     covariance = covariance_of(grown(unsure))
     alone = np.sqrt(variance_given(covariance, 2, np.array([4])))
     assert plainly(grown(unsure)) == ["tension_loss"]
-    assert unsure[0] > 4.0 * alone and unsure[0] < 2.0 * np.sqrt(covariance[2, 2])
+    assert 4.0 * alone < unsure[0] < 2.0 * np.sqrt(covariance[2, 2])
 
 
 @pytest.mark.parametrize(("stretch", "name"), [(0.06, "slack"), (0.0, "compliance")])
