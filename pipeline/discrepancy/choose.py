@@ -49,14 +49,16 @@ class Choice:
 class Search:
     """What a search needs: the terms that the recording can show and the noises to choose from.
 
-    plain: scores of choices for which a richer set of forms was tried in vain. wide: whether what
-    gains much less than the best at first is followed, too.
+    plain: scores of choices for which a richer set of forms was tried in vain. seen: the best
+    choice of each set of names that was weighed, taken or not. wide: whether what gains much less
+    than the best at first is followed, too.
     """
 
     terms: tuple[Term, ...]
     effects: Effects
     family: NoiseFamily
     plain: dict[Key, float] = field(default_factory=dict)
+    seen: dict[frozenset[str], Choice] = field(default_factory=dict)
     wide: bool = False
 
     @property
@@ -75,6 +77,8 @@ class Search:
             settled, still = self.stilled(fit, choice.place, iterations)
             other = self._weighed_from(settled, still, iterations)
             choice = min(choice, other, key=lambda c: c.score)
+        known = self.seen.setdefault(frozenset(choice.fit.names), choice)
+        self.seen[frozenset(choice.fit.names)] = min(known, choice, key=lambda c: c.score)
         return choice
 
     def stilled(self, fit: Fit, place: Place, iterations: int) -> tuple[Fit, Place]:

@@ -108,7 +108,7 @@ def searched(problem: Problem) -> Explanation:
         search = Search(candidates, effects, noise_family(prior, problem, used))
         choices = choose_again(search, ground_of(problem, prior.model, used), choices)
     choices = levelled(search, searched_wide(search, polished(search, choices)))
-    choices = contested(search, choices)
+    choices = best_of_each([*contested(search, choices), *search.seen.values()])
     if prior.repeats == 0 and problem.derivatives is None:
         search, choices = judged(search, choices)
         near = [c for c in by_names(choices) if c.score < choices[0].score + RIVAL_GAP][:SETTLED]
@@ -146,7 +146,7 @@ def judged(search: Search, choices: list[Choice]) -> tuple[Search, list[Choice]]
     be found. Then it is as good an explanation of zeros that differ a little as these are.
     """
     family = replace(search.family, unrepeated_jitter=JUDGED)
-    last = replace(search, family=family, plain={})
+    last = replace(search, family=family, plain={}, seen={})
     near = [c for c in by_names(choices) if c.score < choices[0].score + JUDGED_GAP]
     again = [last.weighed(c.fit, c.place) if any(c is n for n in near) else c for c in choices]
     return last, sorted(again, key=lambda c: c.score)

@@ -70,15 +70,17 @@ def standing(name: str, best: Choice, choices: list[Choice], problem: Problem) -
     likely = [(w, c) for w, c in zip(weights, distinct, strict=True) if w > NEGLIGIBLE]
     shown = plain if name in plain(best) else names
     probability = float(sum(w for w, c in likely if name in shown(c)))
-    rest = names(best) - {name}
-    gaps = {} if name in plain(best) else {DISGUISES[name]: 0.0}
+    hidden = DISGUISES[name] if name not in plain(best) else name
+    gaps = {} if hidden in names(best) else {hidden: 0.0}
     for choice in distinct:
-        other = names(choice) - rest
-        swapped = rest <= names(choice) and len(other) == 1 and name not in other
+        other = names(choice) - names(best)
+        swapped = name not in names(choice) and len(names(choice)) == len(names(best))
         if swapped and (name in BENDS or as_itself(choice, best)):
-            gaps.setdefault(next(iter(other)), choice.score - best.score)
+            for one in other:
+                gaps.setdefault(one, choice.score - best.score)
     tied = [n for n, gap in gaps.items() if gap < TIE]
-    known = [n for n in equivalents(name, problem) if n not in names(best) | set(tied)]
+    alike = {n for one in (name, *tied) for n in equivalents(one, problem)}
+    known = sorted(alike - names(best) - set(tied))
     unsettled = bool(tied) or bool(name in BENDS and known)
     return Standing(probability, tuple(sorted(tied) + known), unsettled)
 
@@ -138,7 +140,7 @@ def undisguised(choices: Sequence[Choice]) -> Choice:
     """The best of some choices, or the best of what it is in disguise."""
     best = choices[0]
     wanted = plain(best)
-    same = [c for c in choices if names(c) == wanted]
+    same = [c for c in choices if names(c) == wanted and c.score < best.score + RIVAL_GAP]
     return min(same, key=lambda c: c.score, default=best)
 
 

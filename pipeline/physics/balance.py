@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from pipeline.physics.mechanism import Piece
 
 BALANCE = "balance"
-Loose = tuple[float, float, float, float]
+Loose = tuple[float, float, float, float, bool]
 Toe = tuple[float, float, float, float]
 Wires = tuple[float, float, float, float, float, float, float]
 Bends = tuple[Any, ...]
@@ -49,8 +49,8 @@ class Load(NamedTuple):
     give: (g, 4) most that the wire gives way besides [angle], one over the force at which it does
         so [1/angle], the joint's own stiffness [1], and the angle where the wire is slack [angle].
     loose: half the way over which both wires hang slack [drive unit], the softness of its
-        ends [drive unit], the joint's own stiffness [1], and the drive in the middle of that way;
-        None where no wire is slack.
+        ends [drive unit], the joint's own stiffness [1], the drive in the middle of that way, and
+        whether that way is lost of the angle asked for, not of the drive; None where none is.
     toe: the stretch by the joint's own stiffness that is in what is asked for [1], that stiffness
         over the wire's [1], the share that a wire lacks of its own at first, and the stretch over
         which that comes [angle]; None where no wire has a toe.
@@ -104,7 +104,7 @@ def settle(
     linear, cubic, gravity, zero = map(sum, zip(*smooth, strict=True))
     drag = float(sum(drags))
     slack = next((way for way in wires if way is not None), None)
-    if slack is not None:
+    if slack is not None and not slack[-1]:
         asked = asked + taken_up(slack, motion.drive, curve)
     pull = pulling(slack, next((toe for toe in toes if toe is not None), None), curve)
     pushed = np.full(len(asked), -gravity * np.sin(zero))
@@ -172,7 +172,7 @@ def pulling(loose: Loose | None, toe: Toe | None, curve: Curve) -> Wires:
     """
     if loose is None:
         return IDEAL if toe is None else (0.0, 1.0, *toe[:2], 0.0, *toe[2:])
-    half, softness, own, centre = loose
+    half, softness, own, centre, _ = loose
     slope, middle = abs(curve.slope), float(curve(np.array([centre]))[0])
     stretch, firm, lacks, length = (own, 2.0 * own, *IDEAL[5:]) if toe is None else toe
     return half * slope, 1.0 / (softness * slope), stretch, firm, middle, lacks, length
@@ -184,7 +184,7 @@ def taken_up(loose: Loose, drive: np.ndarray, curve: Curve) -> np.ndarray:
     That way is lost of the drive, before the curve, while the balance takes it off at the curve's
     mean slope.
     """
-    half, _, _, middle = loose
+    half, _, _, middle, _ = loose
     lost = np.minimum(np.maximum(drive - middle, -half), half)
     return curve(drive - lost) + curve.slope * lost - curve(drive)
 

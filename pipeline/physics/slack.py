@@ -8,7 +8,7 @@ from pipeline.physics.balance import Load
 from pipeline.physics.motion import Motion
 from pipeline.physics.term import Parameter, Surroundings, Term
 
-HOME = "home"
+HOME, BEHIND = "home", "behind"
 
 
 class Slack(Term):
@@ -24,7 +24,7 @@ class Slack(Term):
     name = "slack"
     site = "transmission"
     in_balance = True
-    grows: ClassVar = {HOME: ("",)}
+    grows: ClassVar = {HOME: ("", f"{HOME} {BEHIND}"), "": (BEHIND,), f"{HOME} {BEHIND}": (BEHIND,)}
     says = "Around home both wires hang slack: nothing moves over {width} of drive."
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
@@ -36,17 +36,17 @@ class Slack(Term):
             Parameter("rounding", unit, 1e-4 * span, 0.02 * span, 0.002 * span, 0.0004 * span),
             Parameter("stiffness", "", 0.01, 2.0, STIFFNESS, 0.02, weak=True),
         )
-        return (width, *others) if self.form == HOME else (width, centre, *others)
+        return (width, *others) if HOME in self.form else (width, centre, *others)
 
     def load(self, values: np.ndarray, motion: Motion, state: np.ndarray | None) -> Load:
         width, *others, rounding, stiffness = values
         centre = others[0] if others else 0.0
         softness = max(rounding, width / MOST_SHARP)
-        return Load(loose=(0.5 * width, softness, stiffness, centre))
+        return Load(loose=(0.5 * width, softness, stiffness, centre, BEHIND in self.form))
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
         span, widths = around.drive_span, (0.02, 0.06, 0.15, 0.35)
-        if self.form == HOME:
+        if HOME in self.form:
             return np.array([[width * span, 0.002 * span, STIFFNESS] for width in widths])
         middle = around.drive_low + 0.5 * span
         return np.array(
@@ -60,7 +60,7 @@ class Slack(Term):
     def excited(self, motion: Motion, around: Surroundings) -> bool:
         """Form "home" where the drive passes 0."""
         home = around.drive_low < 0.0 < around.drive_low + around.drive_span
-        return around.drive_span > 0.0 and (home or self.form != HOME)
+        return around.drive_span > 0.0 and (home or HOME not in self.form)
 
 
 STIFFNESS = 0.03

@@ -159,6 +159,18 @@ def test_a_near_rival_is_weighed_in_the_form_that_suits_it():
     assert levelled(search, [late, replace(first, score=late.score + 100.0)])[0] is late
 
 
+def test_what_was_weighed_on_the_way_stands_among_the_choices():
+    """A lag is weighed in place of a late frame, beside the slack; no search keeps it."""
+    slack = {"width": 6.0, "rounding": 0.3, "stiffness": 0.1}
+    recording = recorded({"slack": slack, "frame_lag/time": {"lag": 2.0}}, seed=4)
+    found = explained(recording)
+    sets = [set(c.fit.names) for c in found.choices]
+    assert sets[0] == {"slack", "frame_lag"}
+    assert all(set(own) in sets for own in found.search.seen)
+    weighed = found.search.weighed(evaluate(found.choices[0].fit.ground, ()), (0, 0, 0))
+    assert found.search.seen[frozenset()].score <= weighed.score
+
+
 def test_slack_off_home_is_found_beside_a_ripple():
     hidden = {
         "slack": {"width": 8.0, "centre": -11.0, "rounding": 0.6, "stiffness": 0.09},

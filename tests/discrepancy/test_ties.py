@@ -1,14 +1,17 @@
-"""Names that are another one in disguise."""
+"""Ties, and names that are another one in disguise."""
+
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from pipeline.config import DiagnosisConfig
+from pipeline.discrepancy.choose import Choice
 from pipeline.discrepancy.fit import Ground, evaluate, ground_of
 from pipeline.discrepancy.intervals import covariance_of
 from pipeline.discrepancy.noise import NoiseModel
 from pipeline.discrepancy.problem import pose_problem
-from pipeline.discrepancy.ties import plainly, variance_given
+from pipeline.discrepancy.ties import plainly, standing, undisguised, variance_given
 from pipeline.physics.catalogue import term
 from pipeline.physics.mechanism import Piece
 from tests.discrepancy.made import NOISE, recorded
@@ -54,3 +57,32 @@ def test_wire_that_gives_way_within_a_step_and_no_more_hung_slack(ground, stretc
 def test_a_toe_hung_no_slack_as_it_hardens_on_the_way(ground):
     toe = Piece(term("compliance", "toe"), np.array([0.23, 3.0, 0.018, 0.003]))
     assert plainly(evaluate(ground, [toe])) == ["compliance"]
+
+
+def chosen(ground, score: float, **pieces: list[float]) -> Choice:
+    fit = evaluate(ground, [Piece(term(n), np.array(values)) for n, values in pieces.items()])
+    return Choice(fit, (0, 0, 0), score)
+
+
+def test_two_names_that_two_others_could_stand_for_are_tied(ground):
+    best = chosen(ground, 0.0, backlash=[2.0], drift=[0.5])
+    far = chosen(ground, 30.0, friction=[2.0, 1.0, 0.7], drift=[0.5])
+    both = chosen(ground, 5.0, friction=[2.0, 9.0, 0.7], lost_steps=[0.5, 900.0])
+    found = standing("drift", best, [best, both, far], ground.problem)
+    assert found.tied
+    assert found.alternatives[:2] == ("friction", "lost_steps")
+    assert not standing("drift", best, [best, replace(both, score=30.0)], ground.problem).tied
+
+
+def test_what_a_tied_name_is_known_to_equal_is_an_alternative_too(ground):
+    best = chosen(ground, 0.0, drift=[0.5])
+    creeping = chosen(ground, 5.0, creep=[0.3, 9.0])
+    found = standing("drift", best, [best, creeping], ground.problem)
+    assert found.alternatives == ("creep", "friction", "response_lag")
+
+
+def test_a_name_is_told_as_what_it_hides_only_where_that_explains_as_well(ground):
+    growing = chosen(ground, 0.0, tension_loss=[1e-7, 1.9])
+    plain_play = chosen(ground, 10.0, backlash=[2.0])
+    assert undisguised([growing, plain_play]) is plain_play
+    assert undisguised([growing, replace(plain_play, score=60.0)]) is growing

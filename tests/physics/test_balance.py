@@ -94,6 +94,17 @@ def test_slack_is_lost_of_the_drive_before_a_curve_that_bends():
     np.testing.assert_allclose(out[taut], expected[taut], atol=0.01)
 
 
+def test_slack_behind_the_curve_is_lost_of_the_angle_that_is_asked_for():
+    motion, curve = line(-60.0, 60.0, 1201), CubicCurve(0.8, 2e-5)
+    slack = Piece(Slack("behind"), np.array([12.0, 5.0, 0.01, 0.01]))
+    out = Mechanism(curve, [slack]).respond(motion)[0]
+    asked, middle = curve(motion.drive), float(curve(np.array([5.0]))[0])
+    lost = 6.0 * curve.slope * np.sign(motion.drive - 5.0)
+    taut = np.abs(motion.drive - 5.0) > 9.0
+    expected = middle + (asked - lost - middle) / 1.01
+    np.testing.assert_allclose(out[taut], expected[taut], atol=0.01)
+
+
 def test_creep_arrives_with_its_share_and_time_constant():
     motion = Motion(np.r_[0.0, np.full(40, 10.0)], 2.0 * np.arange(41), np.zeros(41, dtype=int))
     out = answer(motion, Piece(Creep(), np.array([0.3, 20.0])))
