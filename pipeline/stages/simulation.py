@@ -37,7 +37,8 @@ def simulate(
 
     A recorded simulation always stays. heldout: rows that `affine` must not look at. trace: the
     table of kind `trace`, `time_s` and a column for each measurement. cutoff_hz: see
-    `differentiate`. A force against motion of which no mechanism is named is simulated as 0.
+    `differentiate`. A force against motion of which no mechanism is named is simulated as 0, with
+    `identity` and `affine`, too.
     UsageError where nothing simulates a measurement.
     """
     lacking = [
@@ -49,10 +50,8 @@ def simulate(
         answers = _call(config.function, recording, lacking)
     elif config.kind == "mechanism":
         answers = [_mechanism_answer(config, recording, c.name, cutoff_hz) for c in lacking]
-    elif config.kind == "identity":
-        answers = [_identity(recording, c) for c in lacking]
-    elif config.kind == "affine":
-        answers = [_affine(recording, c, heldout or HeldoutConfig()) for c in lacking]
+    elif config.kind in ("identity", "affine"):
+        answers = [_without_model(config.kind, recording, c, heldout) for c in lacking]
     elif config.kind == "trace" and trace is not None:
         answers = [_resampled(trace, recording, c.name) for c in lacking]
     else:
@@ -67,6 +66,21 @@ def simulate(
             Channel(name, "simulation", channel.unit, of=channel.name), values
         )
     return recording
+
+
+def _without_model(
+    kind: str, recording: Recording, channel: Channel, heldout: HeldoutConfig | None
+) -> np.ndarray:
+    """What is said of a measurement where nobody has a model of it, (n,).
+
+    Nothing, of a force against motion: a line in the position would be a spring, in the velocity a
+    dashpot, and both are physics to be named.
+    """
+    if position_of(recording, channel.name) is not None:
+        return np.zeros(len(recording.samples))
+    if kind == "identity":
+        return _identity(recording, channel)
+    return _affine(recording, channel, heldout or HeldoutConfig())
 
 
 def _identity(recording: Recording, channel: Channel) -> np.ndarray:
