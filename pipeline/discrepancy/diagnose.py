@@ -8,7 +8,7 @@ from pipeline.discrepancy.accuracy import calibrated_alone, within_accuracy
 from pipeline.discrepancy.charge import absurd_calibration
 from pipeline.discrepancy.choose import Choice
 from pipeline.discrepancy.cycle_zero import wanders_by_cycle
-from pipeline.discrepancy.explain import Explanation, explain, not_excited
+from pipeline.discrepancy.explain import Explanation, explain, not_excited, turning
 from pipeline.discrepancy.faint import without_faint
 from pipeline.discrepancy.force_delay import delay_of, late
 from pipeline.discrepancy.force_noise import noise_of_samples
@@ -209,6 +209,7 @@ def evidence_of(
     """All rows of the recording with their predictions, and the hypotheses that compete."""
     after, deviation = model.predict(problem.motion)
     outliers = isolated(problem.measured - after, problem.train, explanation.prior.finest)
+    outliers &= ~turning(problem)
     return Evidence(
         recording=recording,
         measurement=measurement,

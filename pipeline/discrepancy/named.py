@@ -17,8 +17,11 @@ from pipeline.discrepancy.rivals import mechanism_of
 from pipeline.discrepancy.structure import Structure
 from pipeline.discrepancy.ties import Standing, standing
 from pipeline.physics.coupling import Coupling
+from pipeline.physics.force_term import ForceTerm
+from pipeline.physics.mechanism import Piece
 
 SUREST = 0.98
+SURPLUS = " The simulation has that much too much of it."
 
 
 def named_physics(
@@ -69,8 +72,13 @@ def of_terms(
             parameters=(*own, *ways),
             heldout_rmse_without=error_without(best, name, evidence),
             alternatives=stands.alternatives,
-            says=says + said_of_ways(piece, ways),
+            says=says + said_of_surplus(piece) + said_of_ways(piece, ways),
         )
+
+
+def said_of_surplus(piece: Piece) -> str:
+    """That the simulation has too much of a force, where its size is negative; "" elsewhere."""
+    return SURPLUS if isinstance(piece.term, ForceTerm) and piece.values[0] < 0.0 else ""
 
 
 def together(one: NamedPhysics, other: NamedPhysics) -> NamedPhysics:

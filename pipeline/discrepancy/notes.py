@@ -122,7 +122,10 @@ def force_notes(problem: Problem, found: Derivatives, every: int) -> list[str]:
             "motion was moved there."
         )
     ends = int(np.sum(np.isfinite(problem.measured) & ~found.known))
-    out.append(f"{ends} samples at both ends, where the derivatives see one side, do not count.")
+    out.append(
+        f"{ends} samples at the ends and beside holes, where the derivatives see one side, do not "
+        "count."
+    )
     if every > 1:
         out.append(f"Terms were fitted on means over {every} samples of force and terms alike.")
     if not problem.around.simulated:

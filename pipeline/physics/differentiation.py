@@ -8,6 +8,7 @@ from scipy.ndimage import median_filter
 
 ORDER = 4
 UNEVEN = 0.01
+HOLE = 8.0
 FEWEST_SAMPLES = 64
 SEGMENT = 1024
 SMOOTHED = 40
@@ -22,8 +23,8 @@ class Derivatives:
     """Position [x], velocity [x/s] and acceleration [x/s^2] of each sample, each (n,).
 
     cutoff_hz: of the low-pass; infinite where none was needed. rate_hz: of the even grid on which
-    it worked. resampled: whether the samples stood unevenly. known: (n,) mask, False at the ends,
-    where the filter sees one side only.
+    it worked. resampled: whether the samples stood unevenly. known: (n,) mask, False at the ends
+    and beside holes, where the filter sees one side only.
     """
 
     position: np.ndarray
@@ -44,9 +45,10 @@ def differentiate(
     x_{k-1}) / 2h, a = (x_{k+1} - 2 x_k + x_{k-1}) / h^2. Of a sine of frequency f they err by
     (2 pi f h)^2 / 6 and (2 pi f h)^2 / 12 of its velocity and acceleration, the filter by
     1 - 1 / (1 + (f / cutoff)^8). Samples that stand unevenly (by more than 1 % of their median
-    distance) go by way of a cubic spline to an even grid and back. The cut-off is `cutoff_of`
-    unless given. Source: Gautier, Janot and Vandanjon, IEEE Trans. Control Syst. Technol. 21
-    (2013) 428, section II-C. Raises ValueError for fewer than 3 samples or times that stand still.
+    distance) go by way of a cubic spline to an even grid and back. Where more than HOLE samples are
+    missing in a row, the two sides of the hole are ends. The cut-off is `cutoff_of` unless given.
+    Source: Gautier, Janot and Vandanjon, IEEE Trans. Control Syst. Technol. 21 (2013) 428, section
+    II-C. Raises ValueError for fewer than 3 samples or times that stand still.
     """
     apart = np.diff(time_s)
     if len(time_s) < 3 or not np.all(apart > 0.0):
@@ -54,10 +56,12 @@ def differentiate(
     h = float(np.median(apart))
     resampled = bool(np.max(np.abs(apart - h)) > UNEVEN * h)
     grid, x = time_s, np.asarray(position, dtype=float)
+    holes = np.flatnonzero(apart > HOLE * h)
     if resampled:
         grid = np.arange(time_s[0], time_s[-1] + 0.5 * h, h)
-        x = CubicSpline(time_s, x)(grid)
-    cutoff = cutoff_of(x, 1.0 / h) if cutoff_hz is None else cutoff_hz
+        x = bridged(time_s, x, grid, holes)
+    whole = longest_between(time_s, grid, holes)
+    cutoff = cutoff_of(x[whole], 1.0 / h) if cutoff_hz is None else cutoff_hz
     if cutoff < NO_FILTER / h:
         x = low_passed(x, cutoff * h)
     else:
@@ -68,9 +72,34 @@ def differentiate(
     a[0], a[-1] = a[1], a[-2]
     edge = max(EDGE_PERIODS / cutoff, 1.5 * h)
     known = (time_s >= time_s[0] + edge) & (time_s <= time_s[-1] - edge)
+    for hole in holes:
+        known &= (time_s <= time_s[hole] - edge) | (time_s >= time_s[hole + 1] + edge)
     if resampled:
         x, v, a = (np.interp(time_s, grid, values) for values in (x, v, a))
     return Derivatives(x, v, a, float(cutoff), 1.0 / h, resampled, known)
+
+
+def bridged(
+    time_s: np.ndarray, position: np.ndarray, grid: np.ndarray, holes: np.ndarray
+) -> np.ndarray:
+    """Positions (n,) on a grid (m,) by a cubic spline, and by a line over each hole.
+
+    holes: indices of the last samples before them. A spline would swing far out there.
+    """
+    out = np.asarray(CubicSpline(time_s, position)(grid))
+    for hole in holes:
+        inside = (grid > time_s[hole]) & (grid < time_s[hole + 1])
+        out[inside] = np.interp(grid[inside], time_s, position)
+    return out
+
+
+def longest_between(time_s: np.ndarray, grid: np.ndarray, holes: np.ndarray) -> slice:
+    """The part of a grid that lies in the longest stretch of time without a hole."""
+    begin = np.concatenate([time_s[:1], time_s[holes + 1]])
+    end = np.concatenate([time_s[holes], time_s[-1:]])
+    longest = int(np.argmax(end - begin))
+    first, last = np.searchsorted(grid, [begin[longest], end[longest]])
+    return slice(int(first), int(last) + 1)
 
 
 def low_passed(values: np.ndarray, cutoff: float) -> np.ndarray:

@@ -110,6 +110,28 @@ def test_both_directions_are_told_where_the_zero_is_trusted(asymmetry):
     assert abs(diagnosis.calibration.offset) < 0.1
 
 
+def test_too_much_friction_in_a_simulation_is_said_as_such():
+    t, x, rng = motion(5)
+    v = np.gradient(x, t)
+    given = recording(x, dahl(t, x, 30.0, 4e-4) + rng.normal(0.0, 0.5, len(t)))
+    simulated = given.with_channel(
+        Channel("force_sim_n", "simulation", "N", of="force_n"), dahl(t, x, 30.0, 4e-4) + 60.0 * v
+    )
+    (diagnosis,) = diagnose(DiagnosisConfig(), simulated).diagnoses
+    (found,) = [p for p in diagnosis.physics if p.name == "viscous_friction"]
+    assert found.parameters[0].value == pytest.approx(-60.0, abs=3.0)
+    assert "The simulation has that much too much of it." in found.says
+
+
+def test_errors_of_a_force_count_the_rows_at_its_reversals():
+    t, x, rng = motion(6)
+    hard = 30.0 * np.tanh(np.gradient(x, t) / 5e-4) + rng.normal(0.0, 0.05, len(t))
+    (evidence,) = diagnose(DiagnosisConfig(), seen_in_steps(x, hard)).evidence
+    drive = evidence.motion.drive
+    turns = 1 + np.flatnonzero(np.diff(np.sign(np.diff(drive))) != 0)
+    assert np.all(evidence.used[turns])
+
+
 def test_its_model_predicts_a_motion_that_it_has_not_seen(damper):
     model = damper.models[0]
     t = np.arange(0.0, 8.0, 1.0 / RATE)

@@ -72,6 +72,16 @@ def test_uneven_samples_and_missing_rows_go_by_an_even_grid():
     assert rms((found.acceleration - a)[found.known]) < 0.02 * rms(a)
 
 
+def test_both_sides_of_a_hole_are_ends():
+    t = np.delete(TIME, np.arange(2000, 2600))
+    x, v, a = motion(t)
+    found = differentiate(t, x)
+    assert rms((found.velocity - v)[found.known]) < 0.01 * rms(v)
+    assert rms((found.acceleration - a)[found.known]) < 0.05 * rms(a)
+    assert not found.known[1999:2001].any()
+    assert found.known.sum() > 0.9 * len(t)
+
+
 def test_times_that_stand_still_are_refused():
     with pytest.raises(ValueError, match="rising times"):
         differentiate(np.array([0.0, 1.0, 1.0, 2.0]), np.zeros(4))

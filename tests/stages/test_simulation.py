@@ -95,6 +95,15 @@ def test_affine_looks_at_no_held_out_row():
     assert np.allclose(answer, 0.7 * recording.values("pitch_command_deg"))
 
 
+@pytest.mark.parametrize("kind", ["identity", "affine"])
+def test_a_force_against_motion_that_nobody_models_is_left_out_whole(kind):
+    recording = a_recording(2)
+    channels = (*recording.channels[:2], Channel("tip_angle_deg", "measurement", "Nm"))
+    answer = simulate(SimulationConfig(kind), Recording(recording.samples, channels))
+    assert not np.any(answer.values("tip_angle_sim_deg"))
+    assert np.ptp(answer.values("pitch_angle_sim_deg")) > 50.0
+
+
 def test_a_function_that_fails_is_named_with_what_it_did(tmp_path, monkeypatch):
     (tmp_path / "bad_model.py").write_text(
         "import numpy as np\n"
