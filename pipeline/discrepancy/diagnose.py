@@ -182,6 +182,7 @@ def model_of(
         delay_s=problem.delay.value,
         zero=None if wandering else zero_at_end(problem, choice.fit),
         counted=problem.counted,
+        rough=problem.rough,
     )
 
 

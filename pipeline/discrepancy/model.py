@@ -51,7 +51,8 @@ class CorrectedModel:
     is measured; simulated: whether a simulation says part of it; delay_s: how much later than its
     motion it is recorded. rivals: the other explanations. later: what answers once the recording's
     `lasted_s` are over, held-out rows having been fitted too; zero: where it stood then. counted:
-    the step of the encoder that counted the drive, 0.0 of another.
+    the step of the encoder that counted the drive, 0.0 of another. rough: the noise of a drive that
+    was measured, 0.0 of another.
     """
 
     measurement: str
@@ -70,6 +71,7 @@ class CorrectedModel:
     later: Mechanism | None = None
     lasted_s: float = np.inf
     counted: float = 0.0
+    rough: float = 0.0
 
     def predict(self, motion: Motion) -> tuple[np.ndarray, np.ndarray]:
         """Expected measurement and its standard deviation, each (n,), from the motion alone.
@@ -162,6 +164,7 @@ def as_json(model: CorrectedModel) -> dict[str, Any]:
         "later": None if model.later is None else _fitted(model.later, None),
         "lasted_s": model.lasted_s if np.isfinite(model.lasted_s) else None,
         "counted": model.counted,
+        "rough": model.rough,
         "noise": asdict(model.noise),
         "covariance": model.covariance.tolist(),
         "rivals": [
@@ -213,7 +216,7 @@ def from_json(entry: Mapping[str, Any], others: list[str]) -> CorrectedModel:
             rivals, _zero(entry),
             None if entry.get("later") is None else _refitted(entry["later"], curve, others),
             np.inf if entry.get("lasted_s") is None else entry["lasted_s"],
-            entry.get("counted", 0.0),
+            entry.get("counted", 0.0), entry.get("rough", 0.0),
         )  # fmt: skip
     except (KeyError, TypeError, ValueError) as problem:
         raise ModelError(

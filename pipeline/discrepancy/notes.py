@@ -36,6 +36,12 @@ def notes(
             f"{problem.around.drive_unit}, and the measurement does not go in such steps: the "
             "smoothest motion within half a count drives the terms."
         )
+    if problem.rough:
+        out.append(
+            f"{problem.drive} was recorded with noise of its own ({problem.rough:.2g} "
+            f"{problem.around.drive_unit}), which the measurement does not follow: the smoothest "
+            "motion within it drives the terms."
+        )
     outliers = int((np.isfinite(problem.measured) & ~evidence.used).sum())
     if outliers:
         out.append(f"{outliers} samples stand off from their neighbours and were not counted.")

@@ -8,6 +8,7 @@ import numpy as np
 from pipeline.config import DiagnosisConfig, HeldoutConfig, ToleranceConfig
 from pipeline.discrepancy.counts import uncounted
 from pipeline.discrepancy.fitted import tolerance_of_fit
+from pipeline.discrepancy.rough import unroughened
 from pipeline.discrepancy.stale import NONE_STALE, StaleSamples, hung_samples, stale_samples
 from pipeline.errors import LoopgapError, refusal
 from pipeline.physics.differentiation import Derivatives
@@ -113,9 +114,9 @@ class Problem:
     simulated: the simulation as it came. curve: of the drive, see `static`. train, heldout: masks
     that part the measured rows; `train` is all that fit, noise and choice may look at. averaged:
     the samples behind rows that are block means. picked: those behind rows that are every k-th.
-    derivatives: of the position that a force is
-    measured against. delay: by how much that force was recorded later than its motion. counted:
-    the step of the encoder that counted the drive, see `counts.py`; 0.0 of another. stale:
+    derivatives: of the position that a force is measured against. delay: by how much that force was
+    recorded later than its motion. counted: the step of the encoder that counted the drive, see
+    `counts.py`; rough: the noise of one that was measured, see `rough.py`; 0.0 of another. stale:
     which samples say again what the one before said.
     """
 
@@ -134,6 +135,7 @@ class Problem:
     derivatives: Derivatives | None = None
     delay: Delay = Delay()
     counted: float = 0.0
+    rough: float = 0.0
     stale: StaleSamples = NONE_STALE
 
     @property
@@ -189,17 +191,20 @@ def pose_problem(
     heldout = held_out_rows(config.heldout, motion, known)
     train = known & ~heldout
     refuse_unfit(config.heldout, measurement, train, known & heldout)
-    counted = 0.0
+    counted = rough = 0.0
     if static:
         seen = np.where(train, measured, np.nan)
         motion, curve, counted = uncounted(motion, curve, seen, simulated)
+        if counted == 0.0:
+            smooth, rough = unroughened(motion.drive, seen)
+            motion = replace(motion, drive=smooth)
     around = surroundings_of(recording, measurement, motion, simulated, drive, static, train)
     tolerance = tolerance_of_fit(config.tolerance, came, simulated, motion.drive, heldout)
     if static and tolerance.shape > config.tolerance.shape:
         curve = straightened(curve, motion.drive)
     return Problem(
         motion, curve, measured, simulated, train, known & heldout, around, tolerance,
-        drive, static, counted=counted, stale=stale,
+        drive, static, counted=counted, rough=rough, stale=stale,
     )  # fmt: skip
 
 

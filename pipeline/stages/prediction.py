@@ -7,6 +7,7 @@ import pandas as pd
 
 from pipeline.discrepancy.counts import between_known_counts
 from pipeline.discrepancy.model import CorrectedModel, ModelError
+from pipeline.discrepancy.rough import behind_known_noise
 from pipeline.errors import refusal
 from pipeline.physics.force_motion import force_motion
 from pipeline.physics.motion import Motion
@@ -48,8 +49,9 @@ def motion_for(
         simulated = _simulated(model, recording) if model.simulated else np.zeros(len(own))
         motion = force_motion(recording, model.drive, simulated, cutoff_hz)[0]
         return motion.delayed(model.delay_s)
+    drive = between_known_counts(np.ascontiguousarray(own, dtype=float), model.counted)
     return Motion(
-        drive=between_known_counts(np.ascontiguousarray(own, dtype=float), model.counted),
+        drive=behind_known_noise(drive, model.rough),
         time_s=recording.values("time_s"),
         cycle=recording.values("cycle").astype(np.int64),
         others=commands,

@@ -6,11 +6,12 @@ import pytest
 
 from pipeline.config import DiagnosisConfig
 from pipeline.discrepancy.counts import between_counts, quantum_of, smooth_motion
+from pipeline.discrepancy.rough import behind_known_noise, noise_of_motion, unroughened
 from pipeline.discrepancy.stale import hung_samples, stale_samples
 from pipeline.physics.backlash import Backlash
 from pipeline.physics.motion import Motion
 from pipeline.recording import Channel, Recording, with_context
-from pipeline.stages.diagnosis import diagnose
+from pipeline.stages.diagnosis import diagnose, posed
 
 TIME_S = np.arange(3000) * 0.01
 MOVED = 20.0 * np.sin(2.0 * np.pi * 0.13 * TIME_S)
@@ -53,6 +54,25 @@ def test_counts_stay_where_the_measurement_goes_in_the_same_steps_even_late() ->
         followed, quantum = smooth_motion(counts, np.roll(counts, late) + noise(0.02))
         assert quantum == 0.0
         assert followed is counts
+
+
+def test_the_noise_of_a_measured_command_is_no_lag_behind_it() -> None:
+    rough = MOVED + noise(0.3)
+    assert noise_of_motion(rough) == pytest.approx(0.3, rel=0.1)
+    assert noise_of_motion(MOVED) == 0.0
+    motion = Motion(MOVED, TIME_S, np.zeros(3000, dtype=np.int64))
+    play = Backlash().respond(MOVED, motion, np.array([3.0]), None)[0]
+    measured = play + np.random.default_rng(8).normal(0.0, 0.1, 3000)
+    smooth, found = unroughened(rough, measured)
+    assert found == pytest.approx(0.3, rel=0.1)
+    assert np.std(smooth - MOVED) < 0.1
+    assert unroughened(rough, rough + noise(0.02))[0] is rough
+    assert np.array_equal(behind_known_noise(rough, found), smooth)
+    assert behind_known_noise(MOVED, found) is MOVED
+    given = recorded(rough, measured)
+    problem = posed(DiagnosisConfig(), given, "horn_deg")
+    assert problem.rough == pytest.approx(0.3, rel=0.1)
+    assert np.std(problem.motion.drive - MOVED) < 0.1
 
 
 def test_samples_that_are_said_again_are_told_from_levels_and_from_play() -> None:

@@ -1,0 +1,89 @@
+"""A drive that was measured with noise: its size, and what moved smoothly behind it."""
+
+import numpy as np
+
+from pipeline.discrepancy.counts import FOLLOWS, LATEST, SURELY, whittaker
+from pipeline.discrepancy.outliers import robust_deviation
+
+FEWEST = 100
+WHITE = 0.85
+SECOND, THIRD = np.sqrt(6.0), np.sqrt(20.0)
+LEAST_SHARE = 0.2
+STIFFNESSES = 2.0 ** np.arange(-2, 33)
+ALIKE = 2.0
+USUAL = 4.0
+
+
+def noise_of_motion(values: np.ndarray) -> float:
+    """Deviation of the white noise that a motion (n,) carries; 0.0 where none shows.
+
+    Differences of white noise grow by a fixed factor from the second to the third, those of a
+    smooth motion fall. Medians, so that corners and stops do not count.
+    """
+    if len(values) < FEWEST:
+        return 0.0
+    second = robust_deviation(np.diff(values, 2)) / SECOND
+    third = robust_deviation(np.diff(values, 3)) / THIRD
+    return third if third > WHITE * second else 0.0
+
+
+def behind_noise(values: np.ndarray, deviation: float) -> np.ndarray:
+    """The smoothest motion (n,) from which values (n,) are no further off than their noise.
+
+    Source: Whittaker's smoother (`counts.py`), as stiff as the discrepancy principle lets it be
+    (Morozov, Soviet Math. Dokl. 7 (1966) 414).
+    """
+    best = values
+    for stiffness in STIFFNESSES:
+        smooth = whittaker(values, stiffness)
+        if np.mean((smooth - values) ** 2) > deviation**2:
+            break
+        best = smooth
+    return best
+
+
+def unroughened(drive: np.ndarray, measured: np.ndarray) -> tuple[np.ndarray, float]:
+    """What moved behind a noisy drive (n,), and its noise; or the drive and 0.0.
+
+    measured: (n,), NaN where not measured. A drive is left as it is where the measurement may
+    follow its noise, which then is motion, or where its noise is much less than the measurement's.
+    """
+    noise = noise_of_motion(drive)
+    if noise == 0.0:
+        return drive, 0.0
+    smooth = behind_noise(drive, noise)
+    if smooth is drive:
+        return drive, 0.0
+    rows = np.isfinite(measured)
+    gain, offset = np.polyfit(smooth[rows], measured[rows], 1)
+    own = robust_deviation(np.diff(measured[rows], 3)) / THIRD
+    if abs(gain) * noise < LEAST_SHARE * own:
+        return drive, 0.0
+    left = (measured - gain * smooth - offset)[rows]
+    late = (gain * np.roll(drive - smooth, rows_late)[rows] for rows_late in range(LATEST))
+    return (drive, 0.0) if any(follows(left, noise) for noise in late) else (smooth, noise)
+
+
+def follows(left: np.ndarray, noise: np.ndarray) -> bool:
+    """Whether what a smooth motion leaves of a measurement (n,) may follow noise beside it (n,).
+
+    Second differences of both, cut at USUAL deviations: corners are no noise.
+    """
+    x, y = (within_usual(np.diff(values, 2)) for values in (noise, left))
+    square = max(float(x @ x), 1e-300)
+    share = float(y @ x) / square
+    error = float(np.sqrt(np.mean((y - share * x) ** 2) / square))
+    return share + SURELY * error > FOLLOWS
+
+
+def within_usual(values: np.ndarray) -> np.ndarray:
+    """Values (n,), none further off than USUAL deviations."""
+    far = USUAL * robust_deviation(values)
+    return np.asarray(np.clip(values, -far, far))
+
+
+def behind_known_noise(values: np.ndarray, deviation: float) -> np.ndarray:
+    """What moved behind values (n,), if they carry a noise of about `deviation`; or they."""
+    own = noise_of_motion(values) if deviation > 0.0 else 0.0
+    alike = deviation < ALIKE * own and own < ALIKE * deviation
+    return behind_noise(values, own) if alike else values
