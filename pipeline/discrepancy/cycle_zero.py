@@ -1,16 +1,18 @@
 """A zero that differs from cycle to cycle by more than noise does: that is a drift."""
 
 import numpy as np
-from scipy.stats import chi2
+from scipy.stats import chi2, f
 
 from pipeline.discrepancy.choose import SLOW, Choice
 from pipeline.discrepancy.problem import Problem
 from pipeline.discrepancy.result import Estimate, Evidence, NamedPhysics
 from pipeline.physics.drift import Drift
+from pipeline.physics.lost_steps import LostSteps
 
 FEWEST_CYCLES = 5
 SURELY, WITHIN = 0.9, 0.95
 SAYS = "The zero is another one in each cycle, by about {size:.3g} {unit}: no command foretells it."
+OR_SLIPPED = " It stands at two levels, one after the other: one slip in between leaves the same."
 
 
 def wanders_by_cycle(choice: Choice) -> bool:
@@ -37,6 +39,19 @@ def deviation_of(means: np.ndarray) -> tuple[float, float, float]:
     return size, low, high
 
 
+def stepped(means: np.ndarray) -> bool:
+    """Whether Gaussian values (n,) surely stand at two levels, one after the other.
+
+    F test of the best of the n - 1 steps, for as many tests (Bonferroni).
+    """
+    count = len(means)
+    parts = [(means[:k], means[k:]) for k in range(1, count)]
+    left = min(sum(float(np.sum((p - p.mean()) ** 2)) for p in both) for both in parts)
+    gained = float(np.sum((means - means.mean()) ** 2)) - left
+    ratio = gained / max(left / (count - 2), 1e-300)
+    return bool((count - 1) * f.sf(ratio, 1, count - 2) < 1.0 - WITHIN)
+
+
 def about_each_zero(residual: np.ndarray, cycle: np.ndarray, counted: np.ndarray) -> np.ndarray:
     """A residual (n,) less its mean over the counted rows (n,) of each cycle that has some."""
     numbers = np.unique(cycle[counted])
@@ -47,10 +62,15 @@ def about_each_zero(residual: np.ndarray, cycle: np.ndarray, counted: np.ndarray
 
 
 def zero_of_each_cycle(problem: Problem, choice: Choice, evidence: Evidence) -> NamedPhysics | None:
-    """The drift of a zero that wanders from cycle to cycle: the deviation of the cycles' means."""
+    """The drift of a zero that wanders from cycle to cycle: the deviation of the cycles' means.
+
+    A slip that lies in a held-out cycle, or between two, leaves such zeros as well.
+    """
     if not wanders_by_cycle(choice):
         return None
-    size, low, high = deviation_of(zeros_of(choice))
+    means = zeros_of(choice)
+    size, low, high = deviation_of(means)
+    slipped = stepped(means)
     unit = problem.around.angle_unit
     off, counted = evidence.measured - evidence.after, evidence.heldout & evidence.used
     return NamedPhysics(
@@ -59,6 +79,6 @@ def zero_of_each_cycle(problem: Problem, choice: Choice, evidence: Evidence) -> 
         probability=SURELY,
         parameters=(Estimate("deviation", size, low, high, unit),),
         heldout_rmse_without=float(np.sqrt(np.mean(off[counted] ** 2))),
-        alternatives=(),
-        says=SAYS.format(size=size, unit=unit),
+        alternatives=(LostSteps.name,) if slipped else (),
+        says=SAYS.format(size=size, unit=unit) + (OR_SLIPPED if slipped else ""),
     )

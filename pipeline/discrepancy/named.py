@@ -15,7 +15,7 @@ from pipeline.discrepancy.mistaken import mistaken_frames, stale_now_and_then
 from pipeline.discrepancy.result import Evidence, NamedPhysics
 from pipeline.discrepancy.rivals import mechanism_of
 from pipeline.discrepancy.structure import Structure
-from pipeline.discrepancy.ties import Standing, standing
+from pipeline.discrepancy.ties import standing
 from pipeline.physics.coupling import Coupling
 from pipeline.physics.force_term import ForceTerm
 from pipeline.physics.mechanism import Piece
@@ -106,11 +106,12 @@ def verdict_of(
         return "partly_explained" if physics else "unknown_physics"
     if not physics:
         return "no_mismatch"
-    stands = [_standing_of(p.name, explanation, best) for p in physics]
-    return "ambiguous" if any(s.tied for s in stands) else "explained"
+    unsettled = any(_unsettled(p, explanation, best) for p in physics)
+    return "ambiguous" if unsettled else "explained"
 
 
-def _standing_of(name: str, explanation: Explanation, best: Choice) -> Standing:
-    if name not in best.fit.names:
-        return Standing(1.0, (), False)
-    return standing(name, best, explanation.choices, explanation.problem)
+def _unsettled(physics: NamedPhysics, explanation: Explanation, best: Choice) -> bool:
+    """Whether a name has others in its place that these data can't tell from it."""
+    if physics.name not in best.fit.names:
+        return bool(physics.alternatives)
+    return standing(physics.name, best, explanation.choices, explanation.problem).tied

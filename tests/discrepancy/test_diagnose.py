@@ -8,6 +8,7 @@ import pandas as pd
 import pytest
 
 from pipeline.config import DiagnosisConfig, HeldoutConfig
+from pipeline.discrepancy.cycle_zero import stepped
 from pipeline.discrepancy.problem import DiagnosisError, held_out_rows
 from pipeline.discrepancy.result import VERDICTS, as_json
 from pipeline.physics.motion import Motion
@@ -349,6 +350,17 @@ def test_a_zero_that_jitters_about_as_much_as_the_noise_is_noise():
     off = zeros[recording.values("cycle").astype(int)]
     result = diagnosed(changed(recording, **{ANGLE: recording.values(ANGLE) + off}))
     assert result.diagnoses[0].verdict == "no_mismatch"
+
+
+def test_zeros_at_two_levels_one_after_the_other_may_be_a_slip():
+    recording = recorded({}, seed=401, cycles=9)
+    zeros = np.random.default_rng(1).normal(0.0, 0.06, 9) + 0.7 * (np.arange(9) > 2)
+    off = zeros[recording.values("cycle").astype(int)]
+    (found,) = diagnosed(changed(recording, **{ANGLE: recording.values(ANGLE) + off})).diagnoses
+    (physics,) = found.physics
+    assert (physics.name, physics.alternatives) == ("drift", ("lost_steps",))
+    assert found.verdict == "ambiguous"
+    assert not stepped(np.array([0.1, -0.6, 0.5, 0.9, -0.4, 0.2]))
 
 
 def test_a_zero_that_is_far_off_draws_no_names():
