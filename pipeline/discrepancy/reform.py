@@ -9,9 +9,15 @@ from pipeline.physics.lost_steps import JUMP_2
 from pipeline.physics.mechanism import Piece
 from pipeline.physics.term import Term
 
+MOST, BEGUN = 10, 3
+
 
 def reformed(fit: Fit, place: int, term: Term) -> Fit:
-    """The fit with another form of a term, begun from the values that both have."""
+    """The fit with another form of a term, begun from the values that both have.
+
+    Where starts lie far apart, each is judged after a few steps: one that is near the truth may
+    begin farther from the data than one that is not.
+    """
     old = fit.pieces[place]
     had = [p.name for p in parameters_of(fit.ground, old.term)]
     names = [p.name for p in parameters_of(fit.ground, term)]
@@ -29,6 +35,8 @@ def reformed(fit: Fit, place: int, term: Term) -> Fit:
         starts = _sized(fit, place, term, starts)
     trials = [evaluate(fit.ground, (*before, Piece(term, values), *after)) for values in starts]
     trials.sort(key=lambda t: t.cost)
+    if term.far_apart:
+        trials = sorted((improve(t, BEGUN) for t in trials[:MOST]), key=lambda t: t.cost)
     return min((settle_moments(improve(t, 8)) for t in trials[:2]), key=lambda t: t.cost)
 
 

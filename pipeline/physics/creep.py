@@ -26,6 +26,7 @@ class Creep(Term):
     site = "transmission"
     in_balance = True
     timed = True
+    far_apart = True
     grows: ClassVar = {"one": ("two",)}
     says = "Part of each motion ({share}) arrives late, with a time constant of {time_constant}."
 
@@ -61,3 +62,19 @@ class Creep(Term):
 
     def excited(self, motion: Motion, around: Surroundings) -> bool:
         return around.drive_span > 0.0 and around.dwell_s > 0.0
+
+    def retold(self, starts: np.ndarray) -> np.ndarray:
+        """What one arm does in the middle, two do: one that is quicker, and one that is slower."""
+        if self.form != "two":
+            return starts
+        share, time_constant = starts[0, :2]
+        own = [share, time_constant, share, time_constant]
+        return np.vstack([starts, np.multiply(own, APART)])
+
+
+APART = (
+    (0.5, 0.15, 0.9, 1.2),
+    (0.9, 0.3, 0.5, 2.0),
+    (0.5, 0.3, 0.9, 1.5),
+    (0.2, 0.15, 0.9, 1.05),
+)

@@ -85,6 +85,7 @@ class Term:
     answer needs every sample, as what it does within a dwell depends on how long that is. says: one
     line that a mechanic understands, with `{parameter}` fields.
     grows: for a form, those that hold more of the real thing; their first parameters are the same.
+    far_apart: whether a start says little of where a fit from it ends, until it has gone some way.
     own_law: whether a form bends otherwise than the plainer one whose parameters it has: a fit of
     that is one more place to begin from, not the only one.
     """
@@ -96,6 +97,7 @@ class Term:
     own_law: bool = False
     adds: bool = False
     timed: ClassVar[bool] = False
+    far_apart: ClassVar[bool] = False
     group: ClassVar[str] = ""
     says: ClassVar[str]
     form: str = ""
