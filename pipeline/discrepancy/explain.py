@@ -21,7 +21,7 @@ from pipeline.discrepancy.fit import ITERATIONS, evaluate, ground_of, improve
 from pipeline.discrepancy.foretold import foretelling
 from pipeline.discrepancy.noise_family import JUDGED, noise_family
 from pipeline.discrepancy.noise_learning import NoisePrior, learn_noise
-from pipeline.discrepancy.outliers import alike, isolated, returning
+from pipeline.discrepancy.outliers import alike, at_commands, isolated, returning
 from pipeline.discrepancy.polish import polished
 from pipeline.discrepancy.problem import Problem
 from pipeline.discrepancy.screen import effects_of
@@ -34,6 +34,7 @@ from pipeline.recording import reversals_of
 MOST_UNSETTLED, MOST_UNREPEATED = 0.3, 0.1
 SAME_RANGE = 0.6
 SAME_LEVEL = 0.05
+SAME_COMMAND = 0.5
 TURN_ROWS = 2
 OF_ONE_SHAFT = ("transmission_ripple",)
 SURELY = 3.0
@@ -216,11 +217,17 @@ def mistaken_rows(problem: Problem, choice: Choice, prior: NoisePrior) -> np.nda
 def usual(problem: Problem, off: np.ndarray, prior: NoisePrior) -> np.ndarray:
     """Rows (n,) whose residual `off` (n,) stands off for a reason.
 
-    That is a turn, or as in each cycle, or where a stop of several samples begins as at others.
+    That is a turn, or as in each cycle or wherever the command is the same, or where a stop of
+    several samples begins as at others.
     """
+    again = at_commands(problem.motion.drive, SAME_COMMAND * problem.around.step)
     stands = problem.motion.stands
     arriving = ~stands & np.append(stands[1:], False)
-    return turning(problem) | returning(off, prior.groups) | alike(off, arriving, prior.finest)
+    return (
+        turning(problem)
+        | returning(off, [*prior.groups, again])
+        | alike(off, arriving, prior.finest)
+    )
 
 
 def turning(problem: Problem) -> np.ndarray:

@@ -4,6 +4,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from pipeline.recording import branch_of
+
 ISOLATED = 5.0
 RETURNS, FEWEST_REPEATS = 0.5, 3
 FEWEST_KIN = 4
@@ -66,6 +68,22 @@ def returning(residual: np.ndarray, repeats: Sequence[np.ndarray]) -> np.ndarray
         agree = np.sum(values[:, steps] * usual > RETURNS * usual**2, axis=0) >= FEWEST_REPEATS
         again = values[:, steps] * usual > RETURNS * values[:, steps] ** 2
         out[rows[:, steps][again & agree]] = True
+    return out
+
+
+def at_commands(drive: np.ndarray, apart: float) -> np.ndarray:
+    """Row numbers (most, k) of each command of a drive (n,) on either branch, -1 beyond its last.
+
+    Commands less than `apart` [drive's unit] from each other are one.
+    """
+    level = np.floor((drive - drive.min()) / apart + 0.5)
+    _, kind, counts = np.unique(
+        np.column_stack([level, branch_of(drive)]), axis=0, return_inverse=True, return_counts=True
+    )
+    kind = kind.ravel()
+    order = np.argsort(kind, kind="stable")
+    out = np.full((counts.max(), len(counts)), -1)
+    out[np.arange(len(drive)) - np.repeat(np.cumsum(counts) - counts, counts), kind[order]] = order
     return out
 
 

@@ -10,6 +10,7 @@ from pipeline.discrepancy.contested import contested, levelled, rival_names
 from pipeline.discrepancy.explain import refuted, searched_wide, with_plain
 from pipeline.discrepancy.fit import evaluate, improve
 from pipeline.discrepancy.moves import loosened, stopped, tautened
+from pipeline.discrepancy.outliers import at_commands, returning
 from pipeline.discrepancy.ties import as_itself, undisguised
 from pipeline.physics.catalogue import term
 from pipeline.physics.mechanism import Piece
@@ -197,3 +198,15 @@ def test_play_and_an_old_frame_are_one_lag_of_second_order():
     recording = recorded(hidden, seed=1)
     found = explained(recording)
     assert set(found.choices[0].fit.names) == {"response_lag", "slack"}
+
+
+def test_what_stands_off_wherever_the_command_is_the_same_is_no_mistake():
+    short, long = np.r_[0:9, 8:-9:-1, -8:0], np.r_[0:6, 5:-9:-1, -8:9, 8:0:-1]
+    drive = np.concatenate([short, long, short[::-1], long]).astype(float)
+    off = 0.1 * np.random.default_rng(0).standard_normal(len(drive))
+    met = np.flatnonzero(drive == -8.0)
+    off[met] += 2.0
+    off[60] += 2.0
+    again = returning(off, [at_commands(drive, 0.5)])
+    assert np.all(again[met])
+    assert not again[60]
