@@ -76,7 +76,7 @@ def at_commands(drive: np.ndarray, apart: float) -> np.ndarray:
 
     Commands less than `apart` [drive's unit] from each other are one.
     """
-    level = np.floor((drive - drive.min()) / apart + 0.5)
+    level = np.floor((drive - drive.min()) / max(apart, 1e-300) + 0.5)
     _, kind, counts = np.unique(
         np.column_stack([level, branch_of(drive)]), axis=0, return_inverse=True, return_counts=True
     )

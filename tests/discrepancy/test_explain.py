@@ -210,3 +210,8 @@ def test_what_stands_off_wherever_the_command_is_the_same_is_no_mistake():
     again = returning(off, [at_commands(drive, 0.5)])
     assert np.all(again[met])
     assert not again[60]
+
+
+def test_a_drive_that_never_moves_is_at_one_command():
+    again = at_commands(np.full(7, 5.0), 0.0)
+    assert sorted(again[again >= 0]) == list(range(7))
