@@ -10,7 +10,14 @@ TERM_COST = 8.0
 SECOND_SIDE = 1.0
 AT_BOUND = 1.0
 VOID = 40.0
-UNLIKELY = {"lost_steps": 3.0, "contact": 2.0, "drift/wave": 6.0}
+BEHIND = 3.0
+UNLIKELY = {
+    "lost_steps": 3.0,
+    "contact": 2.0,
+    "drift/wave": 6.0,
+    "slack/behind": BEHIND,
+    "slack/home behind": BEHIND,
+}
 SIDED = ("contact", "end_stop")
 
 
@@ -39,7 +46,8 @@ def complexity(fit: Fit) -> float:
 def unlikely(term: Term) -> float:
     """How much less likely than others a term is in its form, in -2 log odds.
 
-    A wave of any period and phase follows what jitters or repeats with the cycles as well.
+    A wave of any period and phase follows what jitters or repeats with the cycles as well. Slack
+    that is lost behind the curve has as many parameters as one before it: chance would decide.
     """
     whole = f"{term.name}/{term.form}"
     return UNLIKELY.get(term.name, 0.0) + UNLIKELY.get(whole, 0.0)

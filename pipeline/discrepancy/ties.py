@@ -79,8 +79,7 @@ def standing(name: str, best: Choice, choices: list[Choice], problem: Problem) -
             for one in other:
                 gaps.setdefault(one, choice.score - best.score)
     tied = [n for n, gap in gaps.items() if gap < TIE]
-    alike = {n for one in (name, *tied) for n in equivalents(one, problem)}
-    known = sorted(alike - names(best) - set(tied))
+    known = [n for n in equivalents(name, problem) if n not in names(best) | set(tied)]
     unsettled = bool(tied) or bool(name in BENDS and known)
     return Standing(probability, tuple(sorted(tied) + known), unsettled)
 

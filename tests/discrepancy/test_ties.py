@@ -74,13 +74,6 @@ def test_two_names_that_two_others_could_stand_for_are_tied(ground):
     assert not standing("drift", best, [best, replace(both, score=30.0)], ground.problem).tied
 
 
-def test_what_a_tied_name_is_known_to_equal_is_an_alternative_too(ground):
-    best = chosen(ground, 0.0, drift=[0.5])
-    creeping = chosen(ground, 5.0, creep=[0.3, 9.0])
-    found = standing("drift", best, [best, creeping], ground.problem)
-    assert found.alternatives == ("creep", "friction", "response_lag")
-
-
 def test_a_name_is_told_as_what_it_hides_only_where_that_explains_as_well(ground):
     growing = chosen(ground, 0.0, tension_loss=[1e-7, 1.9])
     plain_play = chosen(ground, 10.0, backlash=[2.0])
