@@ -1,26 +1,32 @@
 """Recordings made of the project's own terms, with known truth."""
 
+from dataclasses import replace
+
 import numpy as np
 import pandas as pd
 
 from pipeline.config import DiagnosisConfig
 from pipeline.discrepancy.explain import Explanation, explain
 from pipeline.discrepancy.problem import pose_problem
+from pipeline.discrepancy.result import DiagnosisResult, Estimate
 from pipeline.physics.catalogue import term
 from pipeline.physics.kinematics import CubicCurve
 from pipeline.physics.mechanism import Mechanism, Piece
 from pipeline.physics.motion import Motion
 from pipeline.physics.term import Surroundings, values_of
 from pipeline.recording import Channel, Recording
+from pipeline.stages.diagnosis import diagnose
 
+ANGLE = "pitch_angle_deg"
+SIMULATED = "pitch_angle_sim_deg"
 NOISE = 0.2
 AMPLITUDE = 55.0
 STEPS = 120
 CHANNELS = (
     Channel("pitch_command_deg", "command", "deg"),
     Channel("yaw_command_deg", "command", "deg"),
-    Channel("pitch_angle_deg", "measurement", "deg"),
-    Channel("pitch_angle_sim_deg", "simulation", "deg", of="pitch_angle_deg"),
+    Channel(ANGLE, "measurement", "deg"),
+    Channel(SIMULATED, "simulation", "deg", of=ANGLE),
 )
 
 
@@ -72,8 +78,8 @@ def recorded(
             "step": np.arange(n) % STEPS,
             "pitch_command_deg": motion.drive,
             "yaw_command_deg": motion.others["yaw_command_deg"],
-            "pitch_angle_deg": clean + noise * rng.standard_normal(n),
-            "pitch_angle_sim_deg": curve(motion.drive),
+            ANGLE: clean + noise * rng.standard_normal(n),
+            SIMULATED: curve(motion.drive),
         }
     )
     return Recording(samples, CHANNELS, "simulated")
@@ -81,5 +87,26 @@ def recorded(
 
 def explained(recording: Recording) -> Explanation:
     """What explains the angle of such a recording."""
-    simulated = recording.values("pitch_angle_sim_deg")
-    return explain(pose_problem(DiagnosisConfig(), recording, "pitch_angle_deg", simulated))
+    simulated = recording.values(SIMULATED)
+    return explain(pose_problem(DiagnosisConfig(), recording, ANGLE, simulated))
+
+
+def diagnosed(recording: Recording) -> DiagnosisResult:
+    """The diagnosis of a recording, settings as they come."""
+    return diagnose(DiagnosisConfig(), recording)
+
+
+def names(result: DiagnosisResult) -> set[str]:
+    """What was named of the only measurement, or of the first."""
+    return {p.name for p in result.diagnoses[0].physics}
+
+
+def value_of(result: DiagnosisResult, name: str, parameter: str) -> Estimate:
+    """What was found of a parameter of a name."""
+    physics = next(p for p in result.diagnoses[0].physics if p.name == name)
+    return next(e for e in physics.parameters if e.name == parameter)
+
+
+def changed(recording: Recording, **columns: np.ndarray) -> Recording:
+    """The recording with other values in some columns."""
+    return replace(recording, samples=recording.samples.assign(**columns))

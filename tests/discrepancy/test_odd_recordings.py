@@ -1,0 +1,96 @@
+"""Recordings and simulations that few would make: an honest verdict, or a clear refusal."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from pipeline.discrepancy.problem import DiagnosisError
+from pipeline.discrepancy.result import VERDICTS
+from tests.discrepancy.made import ANGLE, NOISE, SIMULATED, changed, diagnosed, names, recorded
+
+
+@pytest.mark.parametrize("factor", [10.0, 0.1, -1.0])
+def test_a_wrong_factor_is_no_calibration_and_hides_no_play(factor):
+    recording = recorded({"backlash": {"width": 4.0}}, seed=1)
+    scaled = changed(recording, **{SIMULATED: factor * recording.values(SIMULATED)})
+    diagnosis = diagnosed(scaled).diagnoses[0]
+    assert [p.name for p in diagnosis.physics] == ["backlash"]
+    assert diagnosis.verdict == "partly_explained"
+    assert "gain" in diagnosis.unexplained.where
+    assert diagnosis.after.heldout_rmse < 1.15 * NOISE
+
+
+def test_a_perfect_simulation_is_no_mismatch():
+    recording = recorded({}, noise=0.0)
+    exact = changed(recording, **{ANGLE: recording.values(SIMULATED)})
+    diagnosis = diagnosed(exact).diagnoses[0]
+    assert diagnosis.verdict == "no_mismatch"
+    assert diagnosis.after.heldout_rmse < 1e-3
+
+
+def test_a_constant_command_names_nothing_that_moves():
+    recording = recorded({}, seed=2)
+    still = changed(
+        recording,
+        pitch_command_deg=0.0,
+        **{SIMULATED: 0.0, ANGLE: recording.values(ANGLE) - recording.values(SIMULATED)},
+    )
+    diagnosis = diagnosed(still).diagnoses[0]
+    assert "backlash" in diagnosis.not_excited
+
+
+@pytest.mark.parametrize("rows", [slice(0, 120), slice(0, 240), slice(0, 90)])
+def test_few_cycles_give_an_answer(rows):
+    recording = recorded({"backlash": {"width": 6.0}}, seed=3)
+    short = replace(recording, samples=recording.samples.iloc[rows].reset_index(drop=True))
+    diagnosis = diagnosed(short).diagnoses[0]
+    assert diagnosis.verdict in VERDICTS
+    assert diagnosis.after.heldout_rmse < diagnosis.before.heldout_rmse
+
+
+def test_bursts_of_missing_frames_are_counted():
+    recording = recorded({"backlash": {"width": 4.0}}, seed=9)
+    angle = recording.values(ANGLE).copy()
+    for begin in range(20, 700, 90):
+        angle[begin : begin + 35] = np.nan
+    result = diagnosed(changed(recording, **{ANGLE: angle}))
+    assert "backlash" in names(result)
+    assert any("were not measured" in note for note in result.diagnoses[0].notes)
+
+
+def test_two_samples_are_refused():
+    recording = recorded({})
+    short = replace(recording, samples=recording.samples.iloc[:2])
+    with pytest.raises(Exception, match=r"at least 40 samples for a diagnosis; found 2"):
+        diagnosed(short)
+
+
+@pytest.mark.parametrize("channel", [ANGLE, SIMULATED])
+def test_a_measurement_of_which_nothing_was_measured_or_simulated_is_refused(channel):
+    recording = recorded({})
+    empty = changed(recording, **{channel: np.full(len(recording.samples), np.nan)})
+    with pytest.raises(DiagnosisError, match=r"measured, and simulated; found none in 720 rows"):
+        diagnosed(empty)
+
+
+@pytest.mark.parametrize(("scale", "found"), [(1e160, "numbers up to"), (1e-14, "differ by")])
+@pytest.mark.parametrize("channel", [ANGLE, SIMULATED, "pitch_command_deg"])
+def test_numbers_that_can_not_be_reckoned_with_are_refused(channel, scale, found):
+    recording = recorded({})
+    other = changed(recording, **{channel: scale * recording.values(channel)})
+    with pytest.raises(DiagnosisError, match=rf"'{channel}': expected .*{found}"):
+        diagnosed(other)
+
+
+def test_a_measurement_without_simulation_is_refused():
+    recording = recorded({})
+    bare = replace(recording, channels=recording.channels[:3])
+    with pytest.raises(DiagnosisError, match=r"a simulation channel of it; found none"):
+        diagnosed(bare)
+
+
+def test_a_simulation_that_stands_still_explains_nothing():
+    recording = recorded({}, seed=16)
+    (found,) = diagnosed(changed(recording, **{SIMULATED: 0.0})).diagnoses
+    assert found.verdict == "unknown_physics"
