@@ -4,6 +4,7 @@ import numpy as np
 
 from pipeline.discrepancy.counts import FOLLOWS, LATEST, SURELY, whittaker
 from pipeline.discrepancy.outliers import robust_deviation
+from pipeline.physics.backlash import play
 
 FEWEST = 100
 WHITE = 0.85
@@ -12,6 +13,7 @@ LEAST_SHARE = 0.2
 STIFFNESSES = 2.0 ** np.arange(-2, 33)
 ALIKE = 2.0
 USUAL = 4.0
+PLAYS = np.array([0.0, 1.0, 2.0, 3.0, 4.0, 6.0, 9.0, 14.0, 20.0])
 
 
 def noise_of_motion(values: np.ndarray) -> float:
@@ -47,6 +49,8 @@ def unroughened(drive: np.ndarray, measured: np.ndarray) -> tuple[np.ndarray, fl
 
     measured: (n,), NaN where not measured. A drive is left as it is where the measurement may
     follow its noise, which then is motion, or where its noise is much less than the measurement's.
+    Motion at random looks like noise, and a play takes it out: so the drive stays, too, if the
+    measurement is as near to it behind some play as it is to the smooth one behind any.
     """
     noise = noise_of_motion(drive)
     if noise == 0.0:
@@ -61,7 +65,21 @@ def unroughened(drive: np.ndarray, measured: np.ndarray) -> tuple[np.ndarray, fl
         return drive, 0.0
     left = (measured - gain * smooth - offset)[rows]
     late = (gain * np.roll(drive - smooth, rows_late)[rows] for rows_late in range(LATEST))
-    return (drive, 0.0) if any(follows(left, noise) for noise in late) else (smooth, noise)
+    played = left_behind_play(drive, measured, noise) <= left_behind_play(smooth, measured, noise)
+    return (drive, 0.0) if played or any(follows(left, own) for own in late) else (smooth, noise)
+
+
+def left_behind_play(drive: np.ndarray, measured: np.ndarray, noise: float) -> float:
+    """Least root mean square that a line in a drive (n,) behind some play leaves of a measurement.
+
+    measured: (n,), NaN where not measured. The plays go from none to PLAYS[-1] times the noise.
+    """
+    rows, left = np.isfinite(measured), []
+    for width in PLAYS[PLAYS * noise < 0.5 * np.ptp(drive)] * noise:
+        behind = play(drive, 0.5 * width, float(drive[0]))[rows]
+        line = np.polyval(np.polyfit(behind, measured[rows], 1), behind)
+        left.append(float(np.sqrt(np.mean((measured[rows] - line) ** 2))))
+    return min(left, default=np.inf)
 
 
 def follows(left: np.ndarray, noise: np.ndarray) -> bool:

@@ -8,7 +8,7 @@ from pipeline.config import DiagnosisConfig
 from pipeline.discrepancy.counts import between_counts, quantum_of, smooth_motion
 from pipeline.discrepancy.rough import behind_known_noise, noise_of_motion, unroughened
 from pipeline.discrepancy.stale import hung_samples, stale_samples
-from pipeline.physics.backlash import Backlash
+from pipeline.physics.backlash import Backlash, play
 from pipeline.physics.motion import Motion
 from pipeline.recording import Channel, Recording, with_context
 from pipeline.stages.diagnosis import diagnose, posed
@@ -131,3 +131,11 @@ def test_what_a_coarse_converter_rounds_is_neither_outliers_nor_physics() -> Non
     (found,) = diagnose(DiagnosisConfig(), recorded(command, measured)).diagnoses
     assert found.verdict == "no_mismatch"
     assert found.noise > COUNT / np.sqrt(12.0)
+
+
+def test_motion_at_random_that_a_play_takes_out_is_no_noise():
+    rng = np.random.default_rng(1)
+    drive = np.cumsum(2.0 * rng.standard_normal(1500))
+    assert noise_of_motion(drive) > 0.0
+    measured = play(drive, 2.0, 0.0) + 0.2 * rng.standard_normal(len(drive))
+    assert unroughened(drive, measured) == (pytest.approx(drive), 0.0)
