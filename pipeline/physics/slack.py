@@ -17,8 +17,9 @@ class Slack(Term):
     Where nothing else loads the joint, nothing moves within half the width of the centre; otherwise
     the load decides on which side it hangs. `stiffness` is the joint's over the wires'. A wire only
     pulls, and its slack ends over `rounding` (see `balance.py`). In form "home" the centre is where
-    the drive is 0. Source: dead-zone nonlinearity, Tao and Kokotovic, Adaptive Control of Systems
-    with Actuator and Sensor Nonlinearities (1996).
+    the drive is 0; in those "behind" the way is lost of the angle asked for, not of the drive.
+    Source: dead-zone nonlinearity, Tao and Kokotovic, Adaptive Control of Systems with Actuator and
+    Sensor Nonlinearities (1996).
     """
 
     name = "slack"
