@@ -49,15 +49,15 @@ class Choice:
 class Search:
     """What a search needs: the terms that the recording can show and the noises to choose from.
 
-    plain: scores of choices for which a richer set of forms was tried in vain. seen: the best
-    choice of each set of names that was weighed, taken or not. wide: whether what gains much less
-    than the best at first is followed, too.
+    vain: scores of choices for which a set of forms was tried in vain. seen: the best choice of
+    each set of names that was weighed, taken or not. wide: whether what gains much less than the
+    best at first is followed, too.
     """
 
     terms: tuple[Term, ...]
     effects: Effects
     family: NoiseFamily
-    plain: dict[Key, float] = field(default_factory=dict)
+    vain: dict[Key, float] = field(default_factory=dict)
     seen: dict[frozenset[str], Choice] = field(default_factory=dict)
     wide: bool = False
 
@@ -65,6 +65,10 @@ class Search:
     def clear(self) -> float:
         """The gain from which on what gains much less is not followed."""
         return np.inf if self.wide else CLEAR
+
+    def tried_in_vain(self, key: Key, choice: Choice) -> bool:
+        """Whether the terms and forms of `key` were tried in vain in place of such a choice."""
+        return abs(self.vain.get(key, np.inf) - choice.score) < SAME
 
     def weighed(self, fit: Fit, place: Place, iterations: int = 4) -> Choice:
         """A fit under the noise that suits its own residual, refitted there, and its score.
@@ -128,7 +132,7 @@ def choose(search: Search, ground: Ground) -> list[Choice]:
     """
     base = search.weighed(evaluate(ground, ()), (0, 0, 0))
     if wanders(base.place) and search.family.prior.repeats == 0:
-        steady = replace(search, family=replace(search.family, steady=True), plain={})
+        steady = replace(search, family=replace(search.family, steady=True), vain={})
         begun = [c for c in choose(steady, ground) if c.fit.pieces]
         free = [search.weighed(c.fit, c.place) for c in begun[:EARLIER]]
         return sorted([base, *free, *begun[EARLIER:]], key=lambda c: c.score)
@@ -311,7 +315,7 @@ def grown(search: Search, choice: Choice, but: Container[str] = ()) -> Choice:
     for i, piece in enumerate(choice.fit.pieces):
         for term in () if piece.term.name in but else richer(piece.term):
             key = choice.fit.key - {(piece.term.name, piece.term.form)} | {(term.name, term.form)}
-            if abs(search.plain.get(key, np.inf) - choice.score) < SAME:
+            if search.tried_in_vain(key, choice):
                 continue
             if not term.excited(problem.motion, problem.around):
                 continue
@@ -320,5 +324,5 @@ def grown(search: Search, choice: Choice, but: Container[str] = ()) -> Choice:
             if trial.score < choice.score:
                 choice = trial
             else:
-                search.plain[key] = choice.score
+                search.vain[key] = choice.score
     return choice

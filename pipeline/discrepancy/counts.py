@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.linalg import solveh_banded
 
+from pipeline.discrepancy.beside import may_follow
 from pipeline.physics.kinematics import Curve, sampled_curve
 from pipeline.physics.motion import Motion
 
@@ -12,7 +13,6 @@ ON_GRID, FEWEST_LEVELS = 1e-3, 10
 OFTEN_EQUAL = 0.05
 STIFFNESSES, FEW_OUTSIDE = 4.0 ** np.arange(16), 0.01
 SECOND = (1.0, -2.0, 1.0)
-FOLLOWS, SURELY, LATEST = 0.5, 4.0, 12
 
 
 def quantum_of(values: np.ndarray) -> float:
@@ -70,7 +70,7 @@ def smooth_motion(counted: np.ndarray, measured: np.ndarray) -> tuple[np.ndarray
     if quantum == 0.0 or few or np.mean(np.diff(counted) == 0.0) < OFTEN_EQUAL:
         return counted, 0.0
     smooth = between_counts(counted, quantum)
-    return (counted, 0.0) if may_step(counted - smooth, smooth, measured) else (smooth, quantum)
+    return (counted, 0.0) if may_follow(counted - smooth, smooth, measured) else (smooth, quantum)
 
 
 def uncounted(
@@ -99,23 +99,3 @@ def between_known_counts(values: np.ndarray, quantum: float) -> np.ndarray:
     """The smooth motion behind values (n,), if they are counts in steps of `quantum`; or they."""
     counts = quantum > 0.0 and abs(quantum_of(values) - quantum) < ON_GRID * quantum
     return between_counts(values, quantum) if counts else values
-
-
-def may_step(steps: np.ndarray, smooth: np.ndarray, measured: np.ndarray) -> bool:
-    """Whether a measurement (n,) may follow the steps (n,) beside a smooth motion (n,).
-
-    Second differences of both, which leave next to nothing of a smooth motion, at each delay.
-    """
-    rows = np.flatnonzero(np.isfinite(measured))
-    gain, offset = np.polyfit(smooth[rows], measured[rows], 1)
-    y = np.diff((measured - gain * smooth - offset)[rows], 2)
-    for late in range(LATEST):
-        x = gain * np.diff(np.roll(steps, late)[rows], 2)
-        square = float(x @ x)
-        if square == 0.0:
-            return True
-        share = float(y @ x) / square
-        error = float(np.sqrt(np.mean((y - share * x) ** 2) / square))
-        if share + SURELY * error > FOLLOWS:
-            return True
-    return False

@@ -8,6 +8,7 @@ import numpy as np
 from pipeline.discrepancy.accuracy import within_accuracy
 from pipeline.discrepancy.choose import (
     LEAST_GAIN,
+    SAME,
     SLOW,
     Choice,
     Search,
@@ -108,7 +109,7 @@ def searched(problem: Problem) -> Explanation:
         used = problem.train & settled & ~found
         search = Search(candidates, effects, noise_family(prior, problem, used))
         choices = choose_again(search, ground_of(problem, prior.model, used), choices)
-    choices = levelled(search, searched_wide(search, polished(search, choices)))
+    choices = levelled(search, searched_wide(search, choices, polished(search, choices)))
     choices = best_of_each([*contested(search, choices), *search.seen.values()])
     if prior.repeats == 0 and problem.derivatives is None:
         search, choices = judged(search, choices)
@@ -120,15 +121,18 @@ def searched(problem: Problem) -> Explanation:
     return Explanation(problem, prior, search, choices, outliers, used)
 
 
-def searched_wide(search: Search, found: list[Choice]) -> list[Choice]:
+def searched_wide(search: Search, begun: list[Choice], found: list[Choice]) -> list[Choice]:
     """The choices; where what the best leaves can't be noise, those of a search without shortcuts.
 
-    What gains most at first is then not on the way to what explains most.
+    What gains most at first is then not on the way to what explains most. begun: the choices that
+    those found were polished from; from a best that is no other, a polish would come to the same.
     """
     if not refuted(search, found[0]):
         return found
-    wide = replace(search, wide=True, plain={})
-    again = polished(wide, choose(wide, found[0].fit.ground))
+    wide = replace(search, wide=True, vain={})
+    again = choose(wide, found[0].fit.ground)
+    if abs(again[0].score - min(c.score for c in begun)) > SAME:
+        again = polished(wide, again)
     return best_of_each([*found, *again])
 
 
@@ -147,7 +151,7 @@ def judged(search: Search, choices: list[Choice]) -> tuple[Search, list[Choice]]
     be found. Then it is as good an explanation of zeros that differ a little as these are.
     """
     family = replace(search.family, unrepeated_jitter=JUDGED)
-    last = replace(search, family=family, plain={}, seen={})
+    last = replace(search, family=family, vain={}, seen={})
     near = [c for c in by_names(choices) if c.score < choices[0].score + JUDGED_GAP]
     again = [last.weighed(c.fit, c.place) if any(c is n for n in near) else c for c in choices]
     return last, sorted(again, key=lambda c: c.score)

@@ -5,7 +5,6 @@ import numpy as np
 from pipeline.discrepancy.choose import (
     FAINT,
     MOST_TERMS,
-    SAME,
     Choice,
     Search,
     allowed,
@@ -144,7 +143,7 @@ def loosened(search: Search, choice: Choice) -> Choice:
     if slack is None or full or "slack" in choice.fit.names:
         return choice
     ground, key = choice.fit.ground, choice.fit.key | {("slack", slack.form)}
-    if abs(search.plain.get(key, np.inf) - choice.score) < SAME:
+    if search.tried_in_vain(key, choice):
         return choice
     problem = ground.problem
     for friction in (p for p in choice.fit.pieces if isinstance(p.term, Friction)):
@@ -162,7 +161,7 @@ def loosened(search: Search, choice: Choice) -> Choice:
             trial = grown(search, search.weighed(fit, choice.place))
             if trial.score < choice.score:
                 return trial
-        search.plain[key] = choice.score
+        search.vain[key] = choice.score
     return choice
 
 
@@ -172,12 +171,11 @@ def sheathed(search: Search, choice: Choice) -> Choice:
         return sheathed_force(search, choice)
     for i, piece in enumerate(choice.fit.pieces):
         key = choice.fit.key | {(piece.term.name, SHEATH.form)}
-        tried = abs(search.plain.get(key, np.inf) - choice.score) < SAME
-        if isinstance(piece.term, Friction) and not tried:
+        if isinstance(piece.term, Friction) and not search.tried_in_vain(key, choice):
             trial = search.weighed(reformed(choice.fit, i, SHEATH), choice.place)
             if trial.score < choice.score:
                 return trial
-            search.plain[key] = choice.score
+            search.vain[key] = choice.score
     return choice
 
 

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from pipeline.discrepancy.counts import FOLLOWS, LATEST, SURELY, whittaker
+from pipeline.discrepancy.beside import may_follow
+from pipeline.discrepancy.counts import whittaker
 from pipeline.discrepancy.outliers import robust_deviation
 from pipeline.physics.backlash import play
 
@@ -59,14 +60,13 @@ def unroughened(drive: np.ndarray, measured: np.ndarray) -> tuple[np.ndarray, fl
     if smooth is drive:
         return drive, 0.0
     rows = np.isfinite(measured)
-    gain, offset = np.polyfit(smooth[rows], measured[rows], 1)
+    gain = float(np.polyfit(smooth[rows], measured[rows], 1)[0])
     own = robust_deviation(np.diff(measured[rows], 3)) / THIRD
     if abs(gain) * noise < LEAST_SHARE * own:
         return drive, 0.0
-    left = (measured - gain * smooth - offset)[rows]
-    late = (gain * np.roll(drive - smooth, rows_late)[rows] for rows_late in range(LATEST))
     played = left_behind_play(drive, measured, noise) <= left_behind_play(smooth, measured, noise)
-    return (drive, 0.0) if played or any(follows(left, own) for own in late) else (smooth, noise)
+    followed = played or may_follow(drive - smooth, smooth, measured, USUAL)
+    return (drive, 0.0) if followed else (smooth, noise)
 
 
 def left_behind_play(drive: np.ndarray, measured: np.ndarray, noise: float) -> float:
@@ -80,24 +80,6 @@ def left_behind_play(drive: np.ndarray, measured: np.ndarray, noise: float) -> f
         line = np.polyval(np.polyfit(behind, measured[rows], 1), behind)
         left.append(float(np.sqrt(np.mean((measured[rows] - line) ** 2))))
     return min(left, default=np.inf)
-
-
-def follows(left: np.ndarray, noise: np.ndarray) -> bool:
-    """Whether what a smooth motion leaves of a measurement (n,) may follow noise beside it (n,).
-
-    Second differences of both, cut at USUAL deviations: corners are no noise.
-    """
-    x, y = (within_usual(np.diff(values, 2)) for values in (noise, left))
-    square = max(float(x @ x), 1e-300)
-    share = float(y @ x) / square
-    error = float(np.sqrt(np.mean((y - share * x) ** 2) / square))
-    return share + SURELY * error > FOLLOWS
-
-
-def within_usual(values: np.ndarray) -> np.ndarray:
-    """Values (n,), none further off than USUAL deviations."""
-    far = USUAL * robust_deviation(values)
-    return np.asarray(np.clip(values, -far, far))
 
 
 def behind_known_noise(values: np.ndarray, deviation: float) -> np.ndarray:
