@@ -17,7 +17,7 @@ from pipeline.physics.mechanism import Piece
 from tests.discrepancy.made import explained, recorded
 
 
-def test_a_rest_that_repeats_is_no_noise_and_a_search_without_shortcuts_explains_it():
+def test_a_rest_that_repeats_is_no_noise_and_a_search_without_shortcuts_explains_it(monkeypatch):
     hidden = {
         "slack": {"width": 6.0, "rounding": 0.3, "stiffness": 0.1},
         "friction": {"width": 3.0, "reach": 3.0},
@@ -28,9 +28,13 @@ def test_a_rest_that_repeats_is_no_noise_and_a_search_without_shortcuts_explains
     alone = [c for c in found.choices if len(c.fit.pieces) < 2]
     assert not refuted(search, best)
     assert all(refuted(search, choice) for choice in alone)
-    again = searched_wide(search, sorted(alone, key=lambda c: c.score))
+    alone.sort(key=lambda c: c.score)
+    again = searched_wide(search, alone, alone)
     assert set(again[0].fit.names) == set(best.fit.names)
     assert len({c.fit.key for c in again}) == len(again)
+    begun = choose(replace(search, wide=True, vain={}), alone[0].fit.ground)
+    monkeypatch.setattr("pipeline.discrepancy.explain.polished", pytest.fail)
+    assert {c.fit.key for c in begun} <= {c.fit.key for c in searched_wide(search, begun, alone)}
 
 
 def test_a_rival_that_lacks_a_name_is_looked_for_from_the_beginning():
