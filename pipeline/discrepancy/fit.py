@@ -304,9 +304,10 @@ def improve(fit: Fit, iterations: int = ITERATIONS, begun: Fit | None = None) ->
         slopes = _beside_nuisances(fit, fit.slopes) if slopes is None else slopes
         values = np.concatenate([p.values for p in fit.pieces])
         gradient = slopes.T @ fit.innovations - precision * (values - centre)
-        normal = slopes.T @ slopes + np.diag(precision)
+        normal = slopes.T @ slopes
+        normal.flat[:: len(values) + 1] += precision
         stuck = ((values <= low) & (gradient < 0.0)) | ((values >= high) & (gradient > 0.0))
-        stuck |= np.diag(normal) <= 1e-12
+        stuck |= normal.diagonal() <= 1e-12
         better, foretold, damping = _stepped(fit, normal, gradient, ~stuck, low, high, damping)
         if better is None:
             if known:
@@ -317,7 +318,7 @@ def improve(fit: Fit, iterations: int = ITERATIONS, begun: Fit | None = None) ->
         if known and gained < TOLERANCE:
             return better
         trusted = gained > TRUSTED * foretold
-        slopes = _corrected(slopes, fit, better, np.sqrt(np.diag(normal))) if trusted else None
+        slopes = _corrected(slopes, fit, better, np.sqrt(normal.diagonal())) if trusted else None
         fit, damping = better, damping / 6.0
     return fit
 
@@ -331,9 +332,11 @@ def _stepped(
     With the gain that the step's slopes foretold, and the damping.
     """
     values = np.concatenate([p.values for p in fit.pieces])
-    step, a = np.zeros(len(values)), normal[np.ix_(free, free)]
-    for _ in range(DAMPINGS if free.any() else 0):
-        step[free] = np.linalg.solve(a + damping * np.diag(np.diag(a)), gradient[free])
+    step, own = np.zeros(len(values)), normal[free][:, free]
+    for _ in range(DAMPINGS if len(own) else 0):
+        damped = own.copy()
+        damped.flat[:: len(own) + 1] += damping * own.diagonal()
+        step[free] = np.linalg.solve(damped, gradient[free])
         moved = np.clip(values + step, low, high)
         real = moved - values
         foretold = float(2.0 * gradient @ real - real @ normal @ real)
@@ -355,13 +358,14 @@ def _corrected(slopes: np.ndarray, fit: Fit, better: Fit, sizes: np.ndarray) -> 
     if length <= 0.0:
         return slopes
     missed = fit.innovations - better.innovations - slopes @ step
-    return np.asarray(slopes + np.outer(missed, sizes**2 * step / length))
+    return np.asarray(slopes + missed[:, None] * (sizes**2 * step / length))
 
 
 def _beside_nuisances(fit: Fit, slopes: np.ndarray) -> np.ndarray:
     """Slopes (count, free) less what gain, offset and bends take over of them."""
     columns = fit.calibrating
-    normal = columns.T @ columns + np.diag(fit.ground.precision)
+    normal = columns.T @ columns
+    normal.flat[:: len(normal) + 1] += fit.ground.precision
     return np.asarray(slopes - columns @ np.linalg.solve(normal, columns.T @ slopes))
 
 

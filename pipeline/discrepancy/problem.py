@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -154,7 +155,14 @@ class Problem:
             return self.averaged.trace(mechanism)
         if self.picked is not None and any(piece.term.timed for piece in pieces):
             return self.picked.trace(mechanism)
-        return mechanism.trace(self.motion)
+        if any(piece.term.before_curve for piece in pieces):
+            return mechanism.trace(self.motion)
+        return mechanism.balanced(self.nominal, self.motion)
+
+    @cached_property
+    def nominal(self) -> np.ndarray:
+        """What the drive asks for where nothing alters it on its way, (n,)."""
+        return Mechanism(self.curve).trace(self.motion).asked
 
     def by_row(self, pieces: Sequence[Piece]) -> bool:
         """Whether the rows alone say what pieces do, without samples behind them."""

@@ -32,6 +32,7 @@ BALANCE = "balance"
 Loose = tuple[float, float, float, float, bool]
 Toe = tuple[float, float, float, float]
 Wires = tuple[float, float, float, float, float, float, float]
+Smooth = tuple[float, float, float, float]
 Bends = tuple[Any, ...]
 IDEAL: Wires = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
 
@@ -68,7 +69,7 @@ class Load(NamedTuple):
     give: np.ndarray = np.zeros((0, 4))
     loose: Loose | None = None
     toe: Toe | None = None
-    smooth: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
+    smooth: Smooth = (0.0, 0.0, 0.0, 0.0)
     pretension: float = np.inf
     drag: float = 0.0
     pushed: np.ndarray | None = None
@@ -99,36 +100,54 @@ def settle(
         cast(BalancedTerm, p.term).load(p.values, motion, memory.get(key))
         for p, key in zip(pieces, keys, strict=True)
     ]
-    *tables, wires, toes, smooth, pretensions, drags, pushes, _ = zip(*loads, strict=True)
-    slip, bristle, arm, contact, give = map(stacked, tables)
-    linear, cubic, gravity, zero = map(sum, zip(*smooth, strict=True))
-    drag = float(sum(drags))
-    slack = next((way for way in wires if way is not None), None)
-    if slack is not None and not slack[-1]:
-        asked = asked + taken_up(slack, motion.drive, curve)
-    pull = pulling(slack, next((toe for toe in toes if toe is not None), None), curve)
-    pushed = np.full(len(asked), -gravity * np.sin(zero))
-    for push in pushes:
-        if push is not None:
-            pushed += curve(motion.drive + push / curve.slope) - curve(motion.drive)
-    carried = np.zeros(4 + len(slip) + len(bristle) + len(arm)) if state is None else state.copy()
+    load = loads[0] if len(loads) == 1 else together(loads)
+    linear, cubic, gravity, zero = load.smooth
+    if load.loose is not None and not load.loose[-1]:
+        asked = asked + taken_up(load.loose, motion.drive, curve)
+    pushed = np.zeros(len(asked))
+    if gravity != 0.0:
+        pushed -= gravity * np.sin(zero)
+    for one in loads:
+        if one.pushed is not None:
+            pushed += curve(motion.drive + one.pushed / curve.slope) - curve(motion.drive)
+    sliders, bristles, arms = len(load.slip), len(load.bristle), len(load.arm)
+    carried = np.zeros(4 + sliders + bristles + arms) if state is None else state.copy()
     dwell = pushed
-    if len(arm) or drag > 0.0:
+    if arms or load.drag > 0.0:
         dwell = motion.dwell_s if state is None else np.diff(motion.time_s, prepend=carried[0])
     angle = np.empty(len(asked))
     if len(asked):
-        bent = carried[3 + len(slip) : 3 + len(slip) + len(bristle)]
-        bends = bending(
-            (cubic, gravity, zero, 1.0 / motion.radian), contact, give, pull,
-            min(NEVER, *pretensions), bristle, bent, len(slip) > 0 and slip[0, 3] != 0.0,
-        )  # fmt: skip
+        bent = carried[3 + sliders : 3 + sliders + bristles]
+        bends = bending(load, (cubic, gravity, zero, 1.0 / motion.radian), curve, bent)
         solve(
-            np.ascontiguousarray(asked), pushed, dwell, slip, arm, drag, bends, float(linear),
-            state is None, carried[1:], angle,
+            np.ascontiguousarray(asked), pushed, dwell, load.slip, load.arm, load.drag, bends,
+            linear, state is None, carried[1:], angle,
         )  # fmt: skip
         carried[0] = motion.time_s[-1]
-    states = {key: load.carried for key, load in zip(keys, loads, strict=True) if load.carried.size}
+    states = {key: one.carried for key, one in zip(keys, loads, strict=True) if one.carried.size}
     return angle, {BALANCE: carried, **states}
+
+
+def together(loads: Sequence[Load]) -> Load:
+    """What some loads are together, but for what each pushes and carries."""
+    wires = [load.loose for load in loads if load.loose is not None]
+    toes = [load.toe for load in loads if load.toe is not None]
+    linear = cubic = gravity = zero = 0.0
+    for load in loads:
+        a, b, c, d = load.smooth
+        linear, cubic, gravity, zero = linear + a, cubic + b, gravity + c, zero + d
+    return Load(
+        slip=stacked([load.slip for load in loads]),
+        bristle=stacked([load.bristle for load in loads]),
+        arm=stacked([load.arm for load in loads]),
+        contact=stacked([load.contact for load in loads]),
+        give=stacked([load.give for load in loads]),
+        loose=wires[0] if wires else None,
+        toe=toes[0] if toes else None,
+        smooth=(linear, cubic, gravity, zero),
+        pretension=min([load.pretension for load in loads]),
+        drag=sum([load.drag for load in loads]),
+    )
 
 
 def solve(
@@ -147,20 +166,18 @@ def solve(
     balance(asked, pushed, dwell, slip, arm, drag, bends, linear, fresh, state, gone, angle)
 
 
-def bending(
-    smooth: tuple[float, float, float, float], contact: np.ndarray, give: np.ndarray,
-    pull: Wires, pretension: float, bristle: np.ndarray,
-    bent: np.ndarray, grows: bool,
-) -> Bends | None:  # fmt: skip
+def bending(load: Load, smooth: Smooth, curve: Curve, bent: np.ndarray) -> Bends | None:
     """All that bends the balance, flat as the compiled loop takes it; None where nothing does.
 
     smooth: cubic, gravity, its zero, an angle's unit in radians. bent: forces of the bristles.
-    grows: whether the slips grow with the bend.
     """
-    straight = pretension == NEVER and not (smooth[0] or smooth[1] or pull[1] or grows)
+    _, bristle, _, contact, give, loose, toe, _, pretension, *_ = load
+    pull = IDEAL if loose is None and toe is None else pulling(loose, toe, curve)
+    grows = len(load.slip) > 0 and load.slip[0, 3] != 0.0
+    straight = pretension >= NEVER and not (smooth[0] or smooth[1] or pull[1] or grows)
     if straight and not (len(contact) or len(give) or len(bristle)):
         return None
-    return *smooth, contact, give, pull, pretension, bristle, bent
+    return *smooth, contact, give, pull, min(NEVER, pretension), bristle, bent
 
 
 def pulling(loose: Loose | None, toe: Toe | None, curve: Curve) -> Wires:
@@ -191,7 +208,7 @@ def taken_up(loose: Loose, drive: np.ndarray, curve: Curve) -> np.ndarray:
 
 def stacked(parts: Sequence[np.ndarray]) -> np.ndarray:
     """All rows of some tables of equal width."""
-    if len(parts) == 1:
-        return parts[0]
-    filled = [part for part in parts if part.size] or parts[:1]
-    return filled[0] if len(filled) == 1 else np.concatenate(filled)
+    filled = [part for part in parts if len(part)]
+    if len(filled) > 1:
+        return np.concatenate(filled)
+    return filled[0] if filled else parts[0]

@@ -50,8 +50,10 @@ class Creep(Term):
 
     def load(self, values: np.ndarray, motion: Motion, state: np.ndarray | None) -> Load:
         share, time_constant = values[0::2], values[1::2]
-        stiffness = share / (1.0 - share)
-        return Load(arm=np.column_stack([stiffness, time_constant * (1.0 - share)]))
+        arm = np.empty((len(share), 2))
+        arm[:, 0] = share / (1.0 - share)
+        arm[:, 1] = time_constant * (1.0 - share)
+        return Load(arm=arm)
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
         dwell = max(around.dwell_s, 1e-9)

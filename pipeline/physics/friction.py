@@ -70,10 +70,11 @@ class Friction(Term):
             return Load(bristle=np.array([[0.5 * width / reach, *limits, spread]]))
         reaches = reaches_of(reach, spread)
         limit = 0.5 * width / ELEMENTS
-        slip = np.full((ELEMENTS, 4), growth)
+        slip = np.empty((ELEMENTS, 4))
         slip[:, 0] = limit / reaches
         slip[:, 1] = limit * (1.0 + asymmetry)
         slip[:, 2] = limit * (1.0 - asymmetry)
+        slip[:, 3] = growth
         return Load(slip=slip)
 
     def respond(

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Protocol
 
 import numpy as np
@@ -72,16 +73,20 @@ class SampledCurve:
     spacing: float
     angle: np.ndarray
 
-    @property
+    @cached_property
     def slope(self) -> float:
         return float(self.angle[-1] - self.angle[0]) / (self.spacing * (len(self.angle) - 1))
 
-    def __call__(self, drive: np.ndarray) -> np.ndarray:
+    @cached_property
+    def _beyond(self) -> tuple[float, float]:
+        """Slopes below and above the samples [angle unit/spacing]."""
         edge = min(EDGE, len(self.angle) - 1)
-        low = (self.angle[edge] - self.angle[0]) / edge
-        high = (self.angle[-1] - self.angle[-1 - edge]) / edge
+        low, high = self.angle[edge] - self.angle[0], self.angle[-1] - self.angle[-1 - edge]
+        return float(low / edge), float(high / edge)
+
+    def __call__(self, drive: np.ndarray) -> np.ndarray:
         drive = np.ascontiguousarray(drive, dtype=float)
-        return _between(drive, self.first, self.spacing, self.angle, low, high)
+        return _between(drive, self.first, self.spacing, self.angle, *self._beyond)
 
 
 def sampled_curve(drive: np.ndarray, angle: np.ndarray, knots: int = 401) -> SampledCurve:

@@ -94,7 +94,7 @@ class Mechanism:
         """The angle that the joint takes and the one that the sensor sees, before calibration."""
         before = {} if state is None else state
         after: dict[str, np.ndarray] = {}
-        pieces = sorted(self.pieces, key=_place)
+        pieces = _in_order(self.pieces)
         signal = np.asarray(motion.drive, dtype=float)
         for piece in pieces:
             if piece.term.before_curve:
@@ -105,11 +105,11 @@ class Mechanism:
 
     def balanced(self, asked: np.ndarray, motion: Motion) -> Trace:
         """The same where all that the wire asks for (n,) is known."""
-        return self._balanced(asked, sorted(self.pieces, key=_place), motion, {}, {})
+        return self._balanced(asked, _in_order(self.pieces), motion, {}, {})
 
     def sensed(self, asked: np.ndarray, body: np.ndarray, motion: Motion) -> Trace:
         """The same for a joint of which all angles (n,) are known."""
-        return self._sensed(asked, body, sorted(self.pieces, key=_place), motion, {}, {})
+        return self._sensed(asked, body, _in_order(self.pieces), motion, {}, {})
 
     def _balanced(
         self,
@@ -141,6 +141,10 @@ class Mechanism:
         kinetics = motion.kinetics
         added = None if kinetics is None else seen - kinetics.simulated
         return Trace(asked, body, seen, after, added)
+
+
+def _in_order(pieces: Sequence[Piece]) -> Sequence[Piece]:
+    return pieces if len(pieces) < 2 else sorted(pieces, key=_place)
 
 
 def _place(piece: Piece) -> int:
