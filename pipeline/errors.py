@@ -13,6 +13,10 @@ class UsageError(LoopgapError):
     exit_status = 2
 
 
+class RecordingError(LoopgapError):
+    """A recording is not as the format says."""
+
+
 def refusal(where: str, expected: str, found: str, remedy: str) -> str:
     """One message with the four things that a user needs to mend bad input."""
     return f"{where}: expected {expected}; found {found}. {remedy}"

@@ -1,6 +1,5 @@
 """A recording: samples of named channels with units and roles, and the folder that holds it."""
 
-import csv
 import json
 import os
 from collections import Counter
@@ -11,7 +10,9 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from pipeline.errors import LoopgapError, refusal
+from pipeline.errors import RecordingError as RecordingError
+from pipeline.errors import refusal
+from pipeline.sample_table import check_time, read_sample_table
 
 SCHEMA = "loopgap.recording/1"
 CONTEXT_COLUMNS = ("time_s", "cycle", "step")
@@ -21,10 +22,6 @@ NAME_UNITS = (
     "deg_s", "rad_s", "m_s", "mm_s", "m_s2",
 )  # fmt: skip
 REVERSAL_SHARE = 0.01
-
-
-class RecordingError(LoopgapError):
-    """A recording is not as the format says."""
 
 
 @dataclass(frozen=True)
@@ -194,8 +191,8 @@ def load_recording(folder: Path) -> Recording:
     head_file = folder / "recording.json"
     head = _read_head(head_file)
     channels = _read_channels(head_file, head)
-    samples_file = _samples_file(folder)
-    samples = _read_samples(samples_file, channels)
+    samples_file, samples = read_sample_table(folder)
+    _require_columns(samples_file, list(samples.columns), channels)
     _check_samples(samples_file, samples, channels)
     return Recording(with_context(samples, channels), channels, str(head.get("source", "real")))
 
@@ -224,6 +221,12 @@ def write_atomically(path: Path, content: str | bytes) -> None:
 
 
 def _read_head(path: Path) -> dict[str, object]:
+    if path.parent.is_file():
+        raise RecordingError(
+            refusal(str(path.parent), "a folder with recording.json and its samples", "a file",
+                    "Name the folder, or import a file of your own: stages=[importing,...] "
+                    "importing=one_axis importing.path=FILE (docs/importing.md).")
+        )  # fmt: skip
     if not path.is_file():
         raise RecordingError(
             refusal(str(path), "a recording's head", "no such file", "Point `recording=` at a "
@@ -302,43 +305,13 @@ def _check_unit(where: str, channel: Channel) -> None:
         )  # fmt: skip
 
 
-def _samples_file(folder: Path) -> Path:
-    found = [folder / n for n in ("samples.csv", "samples.parquet") if (folder / n).is_file()]
-    if len(found) != 1:
-        raise RecordingError(
-            refusal(str(folder), "one of samples.csv and samples.parquet",
-                    " and ".join(f.name for f in found) or "neither", "Leave just one there.")
-        )  # fmt: skip
-    return found[0]
-
-
-def _read_samples(path: Path, channels: Sequence[Channel]) -> pd.DataFrame:
-    try:
-        if path.suffix == ".parquet":
-            header = samples = pd.read_parquet(path)
-            columns = [str(c) for c in header.columns]
-        else:
-            with path.open(encoding="utf-8-sig", newline="") as file:
-                columns = [c.strip() for c in next(csv.reader(file), [])]
-            samples = pd.read_csv(path, skipinitialspace=True, encoding="utf-8-sig")
-    except (OSError, ValueError, UnicodeDecodeError) as error:
-        raise RecordingError(
-            refusal(str(path), "a table of samples", f"{error}", "Write the file anew.")
-        ) from error
-    repeated = [name for name, count in Counter(columns).items() if count > 1]
-    if repeated:
-        raise RecordingError(
-            refusal(str(path), "each column once", f"column {repeated[0]!r} repeated",
-                    "Rename or remove one.")
-        )  # fmt: skip
+def _require_columns(path: Path, columns: Sequence[str], channels: Sequence[Channel]) -> None:
     missing = [n for n in ("time_s", *(c.name for c in channels)) if n not in columns]
     if missing:
         raise RecordingError(
             refusal(str(path), f"a column {missing[0]!r}", f"columns {', '.join(columns)}",
                     "Add the column, or take the channel out of recording.json.")
         )  # fmt: skip
-    samples.columns = pd.Index(columns)
-    return samples
 
 
 def _check_samples(path: Path, samples: pd.DataFrame, channels: Sequence[Channel]) -> None:
@@ -361,15 +334,7 @@ def _check_samples(path: Path, samples: pd.DataFrame, channels: Sequence[Channel
                         "Correct it" + (" or leave it empty." if name in may_be_empty else "."))
             )  # fmt: skip
         samples[name] = numbers
-    back = np.flatnonzero(np.diff(samples["time_s"].to_numpy(float)) < 0)
-    if back.size:
-        row = int(back[0]) + 1
-        before, after = samples["time_s"].iloc[row - 1], samples["time_s"].iloc[row]
-        raise RecordingError(
-            refusal(f"{path}, row {row + first_row}, column 'time_s'",
-                    f"a time not before {before:g} s", f"{after:g} s",
-                    "Sort the rows, or split the file where the clock was reset.")
-        )  # fmt: skip
+    check_time(path, samples["time_s"].to_numpy(float), first_row)
     for name in ("cycle", "step"):
         if name in samples:
             _check_whole(path, samples, name, first_row)

@@ -224,6 +224,55 @@ def test_an_empty_command_is_refused_but_an_empty_measurement_is_not(tmp_path):
         load_recording(folder)
 
 
+@pytest.mark.parametrize(
+    ("end", "words"),
+    [(",", "row 6: expected 6 cells, as in row 1; found 7"), (None, "row 6: .* found 5. Mend")],
+)
+def test_a_row_of_another_width_is_refused(tmp_path, end, words):
+    folder = written(tmp_path)
+    lines = (folder / "samples.csv").read_text().splitlines()
+    lines[5] = lines[5] + end if end else lines[5].rpartition(",")[0]
+    (folder / "samples.csv").write_text("\n".join(lines))
+    with pytest.raises(RecordingError, match=words):
+        load_recording(folder)
+
+
+def test_rows_that_are_all_longer_than_the_head_do_not_shift(tmp_path):
+    folder = written(tmp_path)
+    head, *rows = (folder / "samples.csv").read_text().splitlines()
+    (folder / "samples.csv").write_text("\n".join([head, *(f"{row},1" for row in rows)]))
+    with pytest.raises(RecordingError, match=r"row 2: expected 6 cells, as in row 1; found 7"):
+        load_recording(folder)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("", "first row with the columns' names; found an empty file"),
+        ("time_s;pitch_command_deg\n0;1\n", r"columns parted by commas.*stages=\[importing"),
+    ],
+)
+def test_a_file_that_is_no_table(tmp_path, text, words):
+    folder = written(tmp_path)
+    (folder / "samples.csv").write_text(text)
+    with pytest.raises(RecordingError, match=words):
+        load_recording(folder)
+
+
+def test_a_time_that_stands_still(tmp_path):
+    folder = written(tmp_path)
+    samples = pd.read_csv(folder / "samples.csv").assign(time_s=2.0)
+    samples.to_csv(folder / "samples.csv", index=False)
+    with pytest.raises(RecordingError, match="a time that goes on; found 2 s in all 120 rows"):
+        load_recording(folder)
+
+
+def test_a_file_in_place_of_the_folder(tmp_path):
+    folder = written(tmp_path)
+    with pytest.raises(RecordingError, match="found a file. Name the folder, or import"):
+        load_recording(folder / "samples.csv")
+
+
 def test_cycle_that_is_no_whole_number(tmp_path):
     folder = written(tmp_path)
     edit_samples(folder, "cycle", 2, "0.5")
