@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from pipeline.config import Config
+from pipeline.errors import UsageError, refusal
 from pipeline.runners.run_folder import Run
 from pipeline.runners.stage_run import FOLDER_IN_TEXT, Workplace, do_stage
 from pipeline.tracking.stage_record import FROM_BEFORE, RAN, StageRecord
@@ -11,7 +12,13 @@ from pipeline.tracking.stage_record import FROM_BEFORE, RAN, StageRecord
 
 def run_stages(config: Config, folder: Path, place: Workplace) -> Iterator[StageRecord]:
     """Bring about what the named stages leave, one by one, and say what each did."""
-    run = Run(config, folder, None if config.earlier is None else Path(config.earlier))
+    earlier = None if config.earlier is None else Path(config.earlier)
+    if earlier is not None and not earlier.is_dir():
+        raise UsageError(
+            refusal(f"earlier={earlier}", "the folder of an earlier run", "no such folder",
+                    "Name one that a run has written, for instance outputs/<date and time>.")
+        )  # fmt: skip
+    run = Run(config, folder, earlier)
     for number, stage in enumerate(config.stages, start=1):
         head = f"[{number}/{len(config.stages)}] {stage}"
         print(head, flush=True)
