@@ -147,8 +147,10 @@ def _comparison_table(shown: Shown, tex: bool = False) -> pd.DataFrame:
             | {
                 "metric": _said(f"{cell.metric.label} [{cell.metric.unit}]", tex),
                 "difference": _said(f"{of} - {one.baseline}", tex),
-                "mean": _signed(one.mean, digits, tex),
-                "deviation": f"{one.deviation:.{digits}f}" if one.n > 1 else _said(ABSENT, tex),
+                "mean": difference(one.mean, digits, tex),
+                "deviation": difference(one.deviation, digits, tex)
+                if one.n > 1
+                else _said(ABSENT, tex),
                 "n": str(one.n),
                 "p": p_value(one.p, tex),
                 "p by Holm": p_value(one.p_holm, tex),
@@ -163,8 +165,11 @@ def comparisons_csv(shown: Shown) -> str:
     return with_head(shown, "#", table)
 
 
-def _signed(value: float, digits: int, tex: bool) -> str:
+def difference(value: float, digits: int, tex: bool) -> str:
+    """A number with so many digits, or as many as it takes not to be called zero."""
     text = f"{value:.{digits}f}"
+    if float(text) == 0.0:
+        text = f"{abs(value):.{digits}f}" if value == 0.0 else f"{value:.1e}"
     return text.replace("-", "$-$") if tex else text
 
 

@@ -10,6 +10,7 @@ from pipeline.collecting import run
 from pipeline.errors import LoopgapError, UsageError
 from pipeline.tracking.collection import gather
 from pipeline.tracking.paper_table import table_files
+from pipeline.tracking.table_forms import difference
 
 DEFINITION = """
 caption: Errors & more.
@@ -68,6 +69,13 @@ def test_pairs_are_tested(sweep: Path, definition: Path) -> None:
     assert "paired t-test, two-sided; p by Holm for 1." in files["table.md"]
     (row,) = files["comparisons.csv"].splitlines()[-1:]
     assert row.startswith("pitch,RMSE [deg],compensated - nominal,-1.00,0.20,3,0.013,0.013")
+
+
+@pytest.mark.parametrize(
+    ("value", "said"), [(-0.04, "-4.0e-02"), (0.0, "0.0"), (-0.0, "0.0"), (0.06, "0.1")]
+)
+def test_a_difference_is_called_zero_only_where_it_is(value, said) -> None:
+    assert difference(value, 1, tex=False) == said
 
 
 def test_the_head_of_each_file_says_what_it_stands_on(sweep: Path, definition: Path) -> None:
