@@ -24,6 +24,7 @@ from pipeline.sweep import SWEEP_DIR, Sweep, going_on, sweep_asked
 
 INTERRUPTED = 130
 UNUSABLE = 1
+_FAILED: list[Exception] = []
 
 
 def main() -> None:
@@ -40,17 +41,25 @@ def run_command_line() -> int:
     try:
         sweep = sweep_asked(sys.argv[1:], CONF)
         if sweep is None:
-            _hydra_job()
-            return 0
+            return _run_once()
         return _run_sweep(sweep)
     except (HydraException, OmegaConfBaseException) as error:
         return _complain(explain(error), UsageError.exit_status)
     except LoopgapError as error:
-        return _complain(str(error), error.exit_status)
+        return _complain(_with_notes(str(error), error), error.exit_status)
     except OSError as error:
-        return _complain(_unusable(error), UNUSABLE)
-    except KeyboardInterrupt:
-        return _complain("interrupted: what was done is in the run's folder", INTERRUPTED)
+        return _complain(_with_notes(_unusable(error), error), UNUSABLE)
+    except KeyboardInterrupt as error:
+        said = "interrupted: what was done is in the run's folder"
+        return _complain(_with_notes(said, error), INTERRUPTED)
+
+
+def _run_once() -> int:
+    _FAILED.clear()
+    _hydra_job()
+    if _FAILED:
+        raise _FAILED.pop()
+    return 0
 
 
 def _run_sweep(sweep: Sweep) -> int:
@@ -94,9 +103,11 @@ def _hydra_job(raw: DictConfig) -> None:
         run_job(job, configure)
     except (Exception, KeyboardInterrupt) as error:
         if not in_sweep and not isinstance(error, UsageError):
-            print(f"when its cause is gone, this goes on:\n  {going_on(sys.argv[1:], folder)}",
-                  file=sys.stderr)  # fmt: skip
-        raise
+            error.add_note("When its cause is gone, this goes on:\n"
+                           f"  {going_on(sys.argv[1:], folder)}")  # fmt: skip
+        if in_sweep or not isinstance(error, Exception):
+            raise
+        _FAILED.append(error)  # raised past Hydra, it would be preceded by a line of Hydra's own
 
 
 def _first_line(error: Exception) -> str:
@@ -110,6 +121,10 @@ def _unusable(error: OSError) -> str:
         f"{error.strerror or error}",
         "Free or unlock it, or write elsewhere with `hydra.run.dir=OUT`.",
     )
+
+
+def _with_notes(message: str, error: BaseException) -> str:
+    return "\n".join([message, *getattr(error, "__notes__", [])])
 
 
 def _complain(message: str, status: int) -> int:

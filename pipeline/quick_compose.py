@@ -11,6 +11,7 @@ from functools import cache
 
 import hydra._internal.hydra as hydra_entry
 from hydra._internal.config_loader_impl import ConfigLoaderImpl, get_overrides_dirname
+from hydra.core.object_type import ObjectType
 from hydra.core.override_parser.overrides_parser import OverridesParser
 from hydra.core.override_parser.types import Override
 from hydra.types import RunMode
@@ -46,6 +47,14 @@ class QuickLoader(ConfigLoaderImpl):
         )
         OmegaConf.copy_cache(from_config=master_config, to_config=config)
         return config
+
+    def get_group_options(
+        self, group_name: str, results_filter: ObjectType | None = ObjectType.CONFIG,
+        config_name: str | None = None, overrides: list[str] | None = None,
+    ) -> list[str]:  # fmt: skip
+        """The choices of a group; a schema that they are checked by is none."""
+        found = super().get_group_options(group_name, results_filter, config_name, overrides)
+        return [option for option in found if not option.startswith("schema_")]
 
     def _composed(self, master_config: DictConfig, choices: list[Override]) -> DictConfig:
         name = master_config.hydra.job.config_name

@@ -15,7 +15,7 @@ import pandas as pd
 import pytest
 
 from pipeline import app
-from pipeline.config import STAGES
+from pipeline.config import EXTRA_STAGES, STAGES
 from pipeline.recording import load_recording
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -107,6 +107,23 @@ def test_a_recording_of_ones_own_is_trained_on(small_run, tmp_path, monkeypatch)
     assert (tmp_path / "training" / "yaw.json").is_file()
 
 
+def test_help_names_every_stage_and_no_schema(monkeypatch, capsys):
+    assert loopgap(monkeypatch, "--help") == 0
+    said = capsys.readouterr().out
+    assert [stage for stage in (*STAGES, *EXTRA_STAGES) if stage not in said] == []
+    assert "compensation/step_rule: armijo, barzilai" in said
+    assert "schema" not in said
+
+
+def test_an_error_comes_first_and_then_how_to_go_on(tmp_path, monkeypatch, capsys):
+    arguments = ["stages=[diagnosis]", f"recording={tmp_path}/none", f"hydra.run.dir={tmp_path}"]
+    assert loopgap(monkeypatch, *arguments) == 1
+    first, *rest = capsys.readouterr().err.splitlines()
+    assert first.startswith(f"loopgap: {tmp_path}/none/recording.json: expected")
+    assert rest[0] == "When its cause is gone, this goes on:"
+    assert rest[1].startswith("  loopgap 'stages=[diagnosis]'")
+
+
 def test_a_stage_without_its_input_says_which_stage_makes_it(tmp_path, monkeypatch, capsys):
     assert loopgap(monkeypatch, "stages=[training]", f"hydra.run.dir={tmp_path}") == 2
     assert "Add 'vision' to `stages`" in capsys.readouterr().err
@@ -159,6 +176,12 @@ def test_a_failed_job_does_not_stop_the_others(small_run, tmp_path, monkeypatch,
         ("selection.criterion=cv", "one of bic, aic, heldout"),
         ("diagnosis.tolerance.gain=-0.1", "a number of at least 0"),
         ("selection.k=4=5", "selection.k"),
+        ("selection.k=-3", "selection.k: expected a number of at least 1; found -3"),
+        ("seed=-1", "seed: expected a number of at least 0"),
+        ("acquisition.pause_s=-3", "acquisition.pause_s: expected a number of at least 0"),
+        ("compensation.step_rule.shrink=1", "shrink: expected a number below 1"),
+        ("diagnosis.cutoff_hz=0", "cutoff_hz: expected a number above 0; found 0.0"),
+        ("earlier=/no/such", "earlier=/no/such: expected the folder of an earlier run"),
     ],
 )
 def test_wrong_configuration_names_the_key_and_what_it_may_be(

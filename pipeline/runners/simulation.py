@@ -25,6 +25,10 @@ def with_simulation(config: Config, recording: Recording) -> Recording:
         for c in recording.with_role("measurement")
         if recording.simulation_of(c.name) is None
     ]
+    asked = settings.kind not in ("recorded", "mechanism") or settings.path is not None
+    if asked and not lacking:
+        print("  the recording brings its own simulation of each measurement: "
+              f"simulation={settings.kind} is not used")  # fmt: skip
     if settings.kind == "trace" and lacking:
         trace = read_trace(settings.path, lacking)
         _say(trace, recording)

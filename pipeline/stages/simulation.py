@@ -46,6 +46,11 @@ def simulate(
     ]
     if not lacking:
         return recording
+    if config.kind != "trace" and not recording.with_role("command"):
+        raise UsageError(
+            refusal("recording", "a channel of role 'command'", "none",
+                    "Add what the robot was told: a simulation answers it.")
+        )  # fmt: skip
     if config.kind == "python":
         answers = _call(config.function, recording, lacking)
     elif config.kind == "mechanism":

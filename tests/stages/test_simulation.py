@@ -52,6 +52,22 @@ def test_a_recorded_simulation_stays():
     assert simulate(KINEMATIC, recorded) is recorded
 
 
+def test_a_simulation_that_is_not_used_is_said(capsys):
+    own = Channel("sim_deg", "simulation", "deg", of="pitch_angle_deg")
+    recorded = a_recording().with_channel(own, np.zeros(60))
+    with_simulation(Config(simulation=KINEMATIC), recorded)
+    assert capsys.readouterr().out == ""
+    with_simulation(Config(simulation=SimulationConfig("affine")), recorded)
+    assert "simulation=affine is not used" in capsys.readouterr().out
+
+
+def test_a_recording_without_any_command_is_refused():
+    whole = a_recording()
+    mute = replace(whole, channels=whole.with_role("measurement"))
+    with pytest.raises(UsageError, match="a channel of role 'command'; found none"):
+        simulate(KINEMATIC, mute)
+
+
 def test_function_of_ones_own(tmp_path, monkeypatch):
     (tmp_path / "my_own_model.py").write_text(
         "def simulate(table):\n    return 2 * table['pitch_command_deg'].to_numpy()\n"
