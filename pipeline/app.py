@@ -13,6 +13,7 @@ from hydra.errors import HydraException
 from hydra.types import RunMode
 from omegaconf import DictConfig, OmegaConf
 from omegaconf.errors import OmegaConfBaseException
+from yaml import MarkedYAMLError
 
 from pipeline import quick_compose
 from pipeline.config import CONF, Config, register_schemas
@@ -45,6 +46,8 @@ def run_command_line() -> int:
         return _run_sweep(sweep)
     except (HydraException, OmegaConfBaseException) as error:
         return _complain(explain(error), UsageError.exit_status)
+    except MarkedYAMLError as error:
+        return _complain(_no_yaml(error), UsageError.exit_status)
     except LoopgapError as error:
         return _complain(_with_notes(str(error), error), error.exit_status)
     except OSError as error:
@@ -121,6 +124,12 @@ def _unusable(error: OSError) -> str:
         f"{error.strerror or error}",
         "Free or unlock it, or write elsewhere with `hydra.run.dir=OUT`.",
     )
+
+
+def _no_yaml(error: MarkedYAMLError) -> str:
+    mark = error.problem_mark
+    where = "configuration" if mark is None else f"{mark.name}, line {mark.line + 1}"
+    return refusal(where, "YAML", error.problem or str(error), "Mend the file there.")
 
 
 def _with_notes(message: str, error: BaseException) -> str:

@@ -21,7 +21,7 @@ def explain(error: BaseException) -> str:
         message += f"\nIt comes with an extra: pip install 'loopgap[{extra.group(1)}]'."
     if str(text).splitlines()[0] not in message:
         message += f"\n{text}"
-    return message if key is None else f"{message}\n{_what_it_may_be(key)}"
+    return message if key is None else f"{message}\n{_what_it_may_be(Config, key.split('.'))}"
 
 
 def _without_schemas(text: str) -> str:
@@ -47,20 +47,19 @@ def _key_of(chain: list[BaseException]) -> str | None:
     return None
 
 
-def _what_it_may_be(key: str) -> str:
-    """Sentence on a dotted key: its type where it exists, else its neighbours."""
-    schema: type = Config
-    *parents, last = key.split(".")
-    for depth, parent in enumerate(parents):
-        kind = _fields(schema).get(parent)
-        if kind is None:
-            return _neighbours(".".join(parents[:depth]), parent, schema)
-        if not dataclasses.is_dataclass(kind):
-            return f"{'.'.join(parents[: depth + 1])} takes {_type_name(kind)}."
-        schema = typing.cast(type, kind)
-    if last in _fields(schema):
-        return f"{key} takes {_type_name(_fields(schema)[last])}."
-    return _neighbours(".".join(parents), last, schema)
+def _what_it_may_be(kind: object, names: list[str], before: str = "") -> str:
+    """Sentence on a key, `names` below `before`: its type where it exists, else its neighbours."""
+    values = typing.get_args(kind)[1] if typing.get_origin(kind) is dict else None
+    if not names or not dataclasses.is_dataclass(values or kind):
+        return f"{before} takes {_type_name(kind)}."
+    name, *rest = names
+    here = f"{before}.{name}" if before else name
+    if values is not None:  # the name is the user's own
+        return _what_it_may_be(values, rest, here)
+    schema = typing.cast(type, kind)
+    if name not in _fields(schema):
+        return _neighbours(before, name, schema)
+    return _what_it_may_be(_fields(schema)[name], rest, here)
 
 
 def _neighbours(parent: str, wrong: str, schema: type) -> str:

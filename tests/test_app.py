@@ -176,6 +176,7 @@ def test_a_failed_job_does_not_stop_the_others(small_run, tmp_path, monkeypatch,
         ("selection.criterion=cv", "one of bic, aic, heldout"),
         ("diagnosis.tolerance.gain=-0.1", "a number of at least 0"),
         ("selection.k=4=5", "selection.k"),
+        ("acquisition.amplitude_deg.yaw=far", "amplitude_deg takes a mapping of names, each to a"),
         ("selection.k=-3", "selection.k: expected a number of at least 1; found -3"),
         ("seed=-1", "seed: expected a number of at least 0"),
         ("acquisition.pause_s=-3", "acquisition.pause_s: expected a number of at least 0"),
@@ -188,6 +189,23 @@ def test_wrong_configuration_names_the_key_and_what_it_may_be(
     argument, words, tmp_path, monkeypatch, capsys
 ):
     assert loopgap(monkeypatch, argument, f"hydra.run.dir={tmp_path}") == 2
+    assert words in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("{a: b: c}", "importing/mine.yaml, line 2: expected YAML; found expected ','"),
+        (
+            "{channels: {angle: {roll: x}}}",
+            "under 'importing.tables.log.channels.angle'; it may be",
+        ),
+    ],
+)
+def test_a_wrong_mapping_of_ones_own_says_where(text, words, tmp_path, monkeypatch, capsys):
+    (tmp_path / "importing").mkdir()
+    (tmp_path / "importing" / "mine.yaml").write_text(f"source: x\ntables: {{log: {text}}}\n")
+    assert loopgap(monkeypatch, "--config-dir", str(tmp_path), "importing=mine") == 2
     assert words in capsys.readouterr().err
 
 

@@ -3,6 +3,7 @@
 import importlib
 import sys
 import time
+import traceback
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
@@ -212,7 +213,7 @@ def _call(path: str | None, recording: Recording, lacking: Sequence[Channel]) ->
         answer = np.asarray(function(table.copy()), dtype=float)
     except Exception as error:
         raise LoopgapError(
-            refusal(where, "an array of numbers", f"{type(error).__name__}: {error}",
+            refusal(where, "an array of numbers", _said(error),
                     "Correct the function; it is called with the table of commands.")
         ) from error  # fmt: skip
     took_s = time.monotonic() - began_s
@@ -253,4 +254,17 @@ def _function(path: str | None) -> Callable[[pd.DataFrame], object]:
             refusal(f"simulation.function={path}", "a function that can be imported", str(error),
                     f"Start loopgap in the folder of {module}.py, or install it.")
         ) from error  # fmt: skip
+    except Exception as error:
+        raise UsageError(
+            refusal(f"simulation.function={path}", "a module that can be imported", _said(error),
+                    f"Correct {module}.py.")
+        ) from error  # fmt: skip
     return function
+
+
+def _said(error: Exception) -> str:
+    """Somebody else's error, and the line of theirs that it comes from."""
+    frames = traceback.extract_tb(error.__traceback__)[1:]
+    theirs = [f for f in frames if "site-packages" not in f.filename and f.filename[:1] != "<"]
+    at = f" ({Path(theirs[-1].filename).name}, line {theirs[-1].lineno})" if theirs else ""
+    return f"{type(error).__name__}: {error}{at}"

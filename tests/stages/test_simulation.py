@@ -128,12 +128,19 @@ def test_a_function_that_fails_is_named_with_what_it_did(tmp_path, monkeypatch):
         "def column(table):\n    return np.ones((len(table), 1))\n"
     )
     monkeypatch.chdir(tmp_path)
-    with pytest.raises(LoopgapError, match=r"an array of numbers; found KeyError: 'yaw'"):
+    with pytest.raises(LoopgapError, match=r"found KeyError: 'yaw' \(bad_model.py, line 3\)"):
         simulate(SimulationConfig("python", "bad_model:fails"), a_recording())
     with pytest.raises(LoopgapError, match=r"found 1 that are none, the first in row 7"):
         simulate(SimulationConfig("python", "bad_model:holes"), a_recording())
     column = simulate(SimulationConfig("python", "bad_model:column"), a_recording())
     assert column.values("pitch_angle_sim_deg").tolist() == [1.0] * 60
+
+
+def test_a_module_that_fails_when_it_is_imported(tmp_path, monkeypatch):
+    (tmp_path / "worse_model.py").write_text("size = 3\nsize / 0\n")
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(UsageError, match=r"division by zero \(worse_model.py, line 2\)"):
+        simulate(SimulationConfig("python", "worse_model:f"), a_recording())
 
 
 def test_a_trace_of_another_rate_is_resampled(tmp_path, capsys):
