@@ -132,7 +132,17 @@ def error_sentence(diagnosis: Diagnosis) -> str:
         )
     return (
         f"Corrected for that, the error on cycles that nothing was fitted to falls from "
-        f"{before} to {after} {unit}; the noise is {noise} {unit}."
+        f"{before} to {after} {unit}; the noise is {noise} {unit}.{_rivals(diagnosis)}"
+    )
+
+
+def _rivals(diagnosis: Diagnosis) -> str:
+    """What else each name may be, where the verdict's own sentence does not say it."""
+    if diagnosis.verdict == "ambiguous":
+        return ""
+    open_names = [_names(physics) for physics in diagnosis.physics if physics.alternatives]
+    return "".join(
+        f" {sentence(name)} may also be {' or '.join(others)}." for name, *others in open_names
     )
 
 

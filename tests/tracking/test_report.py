@@ -203,7 +203,9 @@ def test_names_from_outside_are_no_markup(tmp_path: Path) -> None:
 )
 def test_each_verdict_is_a_sentence(verdict: str, sentence: str) -> None:
     assert sentence in verdict_sentence(diagnosis(verdict))
-    assert "0.22 deg" in error_sentence(diagnosis(verdict))
+    assert "0.22 deg" in (said := error_sentence(diagnosis(verdict)))
+    told = verdict in ("explained", "partly_explained")
+    assert ("Backlash may also be friction." in said) is told
 
 
 @pytest.mark.parametrize("verdict", ["no_mismatch", "unknown_physics"])
