@@ -34,6 +34,8 @@ Toe = tuple[float, float, float, float]
 Wires = tuple[float, float, float, float, float, float, float]
 Smooth = tuple[float, float, float, float]
 Bends = tuple[Any, ...]
+Loads = tuple[np.ndarray, np.ndarray, float, float, Bends | None]
+"""Sliders, arms (a, 5) with three columns to work in, drag, the softest spring, all that bends."""
 IDEAL: Wires = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
 
 
@@ -119,9 +121,13 @@ def settle(
     if len(asked):
         bent = carried[3 + sliders : 3 + sliders + bristles]
         bends = bending(load, (cubic, gravity, zero, 1.0 / motion.radian), curve, bent)
+        arm = load.arm
+        if arms:
+            arm = np.empty((arms, 5))
+            arm[:, :2] = load.arm
         solve(
-            np.ascontiguousarray(asked), pushed, dwell, load.slip, load.arm, load.drag, bends,
-            linear, state is None, carried[1:], angle,
+            np.ascontiguousarray(asked), pushed, dwell, (load.slip, arm, load.drag, linear, bends),
+            carried[1:], angle,
         )  # fmt: skip
         carried[0] = motion.time_s[-1]
     states = {key: one.carried for key, one in zip(keys, loads, strict=True) if one.carried.size}
@@ -151,19 +157,17 @@ def together(loads: Sequence[Load]) -> Load:
 
 
 def solve(
-    asked: np.ndarray, pushed: np.ndarray, dwell: np.ndarray, slip: np.ndarray, arm: np.ndarray,
-    drag: float, bends: Bends | None, linear: float, fresh: bool, state: np.ndarray,
+    asked: np.ndarray, pushed: np.ndarray, dwell: np.ndarray, loads: Loads, state: np.ndarray,
     angle: np.ndarray,
 ) -> None:  # fmt: skip
     """Joint angles (in place, as `state`): of all samples abreast where none needs the one before.
 
     Arguments: see `equilibrium.balance`.
     """
+    slip, arm, drag, _, bends = loads
     forgets = bends is not None and len(state) == 3 and drag == 0.0 and len(asked) >= FEWEST
-    if forgets and settled(asked, pushed, linear, cast(Bends, bends), state, angle):
-        return
-    gone = np.zeros((len(arm), 3))
-    balance(asked, pushed, dwell, slip, arm, drag, bends, linear, fresh, state, gone, angle)
+    if not (forgets and settled(asked, pushed, loads, state, angle)):
+        balance(asked, pushed, dwell, loads, state, angle)
 
 
 def bending(load: Load, smooth: Smooth, curve: Curve, bent: np.ndarray) -> Bends | None:

@@ -250,20 +250,20 @@ def _power(x, known):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _let_go(eases, dwell, arm, gone):  # type: ignore[no-untyped-def]
+def _let_go(eases, dwell, arm):  # type: ignore[no-untyped-def]
     """Share of its stretch that each arm loses over a dwell, and what tells it (in place)."""
     for j in range(arm.shape[0]):
         pace = max(1.0 - arm[j, 0] * eases, 1e-3)
-        left, known = _power(-pace * dwell / arm[j, 1], (gone[j, 1], gone[j, 2]))
-        gone[j, 0], gone[j, 1], gone[j, 2] = (1.0 - left) / pace, known[0], known[1]
+        left, known = _power(-pace * dwell / arm[j, 1], (arm[j, 3], arm[j, 4]))
+        arm[j, 2], arm[j, 3], arm[j, 4] = (1.0 - left) / pace, known[0], known[1]
 
 
 @inlined
-def _relax(theta, far, arm, gone):  # type: ignore[no-untyped-def]
+def _relax(theta, far, arm):  # type: ignore[no-untyped-def]
     """Load that the arms let go; their far ends move (in place)."""
     late = 0.0
     for j in range(arm.shape[0]):
-        moved = (theta - far[j]) * gone[j, 0]
+        moved = (theta - far[j]) * arm[j, 2]
         late += arm[j, 0] * moved
         far[j] += moved
     return late
@@ -333,29 +333,28 @@ def _dwelt(at, joint, asked, free, load, dwell, drag, firm, hold, bends, slip, e
 
 
 @njit(cache=True, fastmath=True, error_model="numpy", _nrt=False)  # type: ignore[call-overload]
-def balance(  # type: ignore[no-untyped-def]
-    q, pushed, dwell, slip, arm, drag, bends, softest, fresh, state, gone, out
-):
+def balance(q, pushed, dwell, loads, state, out):  # type: ignore[no-untyped-def]
     """Joint angles `out` for the asked angles `q`, (n,) each, and the state to carry (in place).
 
     state: q + pushed, angle, forces of the sliders and of the bristles, far ends of the arms,
-    stiffness r. A sample is taken after its dwell: first the joint moves at once, then the arms
-    relax and it settles again. Where the stiffness r changes on the way, by more than EVEN, a joint
-    with drag goes it again in parts of the dwell, each with its own r.
-    bends: see `balance.bending`. gone: (a, 3) zeros to work in. A tangent is the equation's slope,
-    one over it, and how far the joint moves for what is asked and for a load.
+    stiffness r; all 0 before the first sample. A sample is taken after its dwell: first the joint
+    moves at once, then the arms relax and it settles again. Where the stiffness r changes on the
+    way, by more than EVEN, a joint with drag goes it again in parts of the dwell, each with its own
+    r. loads: see `balance.Loads`. A tangent is the equation's slope, one over it, and how far the
+    joint moves for what is asked and for a load.
     """
+    slip, arm, drag, softest, bends = loads
     arms, hold = arm.shape[0], (-1.0, -1.0, 0.0, (NEVER, 0.0), 0.0)
     ends, far = state[2 : 2 + slip.shape[0]], state[state.size - 1 - arms : -1]
     asked, joint, firm = state[0], (state[1], STRAIGHT, (1.0, 0.0, 0.0, NEVER)), state[-1]
-    if fresh:
+    if firm == 0.0:
         asked, firm = q[0] + pushed[0], 1.0
         joint, alone = (asked, STRAIGHT, joint[2]), _without_bristles(bends)
         joint = _moved(asked, joint, q[0], softest, pushed[0], alone, slip[:0], ends)
         far[:] = joint[0]
     _ends(1.0, joint[0], ends, slip)
     joint = (joint[0], joint[1], _line(1.0, joint[0], ends, slip))
-    eased, relaxed, gone[:, 1] = -1.0, -1.0, NEVER
+    eased, relaxed, arm[:, 3] = -1.0, -1.0, NEVER
     for t in range(q.size):
         stiff, pull = _pulled(softest, pushed[t], far, arm)
         at, last = joint[0] + (q[t] + pushed[t] - asked) * joint[1][2], joint[0]
@@ -371,8 +370,8 @@ def balance(  # type: ignore[no-untyped-def]
         if arms > 0:
             if eased != joint[1][3] or abs(dwell[t] - relaxed) > SAME_DWELL * relaxed:
                 eased, relaxed = joint[1][3], dwell[t]
-                _let_go(eased, relaxed, arm, gone)
-            late, last = _relax(joint[0], far, arm, gone), joint[0]
+                _let_go(eased, relaxed, arm)
+            late, last = _relax(joint[0], far, arm), joint[0]
             joint = _moved(last + late * eased, joint, q[t], stiff, pull + late, bends, slip, ends)
             _bend(joint[0] - last, bends)
             firm = max(_stiffness(joint[1], bends) - hold[2], SOFTEST)

@@ -222,8 +222,8 @@ def _again(many, q, pushed, softest, bends, sharpest, room, places, out):  # typ
 
 
 def settled(
-    asked: np.ndarray, pushed: np.ndarray, softest: float, bends: tuple[Any, ...],
-    state: np.ndarray, out: np.ndarray,
+    asked: np.ndarray, pushed: np.ndarray, loads: tuple[Any, ...], state: np.ndarray,
+    out: np.ndarray,
 ) -> bool:  # fmt: skip
     """Joint angles `out` for asked angles, (n,) each; False where they may depend on the past.
 
@@ -231,7 +231,7 @@ def settled(
     """
     table, room = np.empty((PARTS, 6)), np.empty((7, BLOCK))
     numbers = np.empty(PARTS + len(asked), dtype=np.int64)
-    return bool(_settle(asked, pushed, softest, bends, table, room, numbers, state, out))
+    return bool(_settle(asked, pushed, *loads[3:], table, room, numbers, state, out))
 
 
 @compiled
