@@ -22,7 +22,7 @@ import numpy as np
 
 from pipeline.physics.equilibrium import NEVER, balance
 from pipeline.physics.kinematics import Curve
-from pipeline.physics.memoryless import FEWEST, settled
+from pipeline.physics.memoryless import FEWEST, crept, settled
 from pipeline.physics.motion import Motion
 
 if TYPE_CHECKING:
@@ -165,8 +165,14 @@ def solve(
     Arguments: see `equilibrium.balance`.
     """
     slip, arm, drag, _, bends = loads
-    forgets = bends is not None and len(state) == 3 and drag == 0.0 and len(asked) >= FEWEST
-    if not (forgets and settled(asked, pushed, loads, state, angle)):
+    done = False
+    if bends is not None and len(state) == 3 + len(arm) and drag == 0.0 and len(asked) >= FEWEST:
+        done = (
+            crept(asked, pushed, dwell, loads, state, angle)
+            if len(arm)
+            else settled(asked, pushed, loads, state, angle)
+        )
+    if not done:
         balance(asked, pushed, dwell, loads, state, angle)
 
 

@@ -14,7 +14,9 @@ import numpy as np
 from numba import njit
 
 from pipeline.physics.decay import decayed_abreast
-from pipeline.physics.equilibrium import LEAST_PULL, LEAST_SLOPE, NEVER, PRECISE, _rested
+from pipeline.physics.equilibrium import (
+    LEAST_PULL, LEAST_SLOPE, NEVER, PRECISE, SAME_DWELL, _let_go, _pulled, _relax, _rested,
+)  # fmt: skip
 from pipeline.physics.tabled import FAR, inlined, ramped_abreast, waved
 
 PARTS, WIDEST, UNEVEN, EVEN, FLAT = 512, 32, 0.2, 0.07, 0.02
@@ -221,6 +223,18 @@ def _again(many, q, pushed, softest, bends, sharpest, room, places, out):  # typ
     return left
 
 
+@inlined
+def _finished(q, pushed, softest, bends, sharpest, room, places, out):  # type: ignore[no-untyped-def]
+    """Newton's method for all angles that are nearly there (in place)."""
+    left = _stepped(q, pushed, softest, bends, sharpest, room, places, out)
+    for _ in range(SWEEPS):
+        if left == 0:
+            break
+        left = _again(left, q, pushed, softest, bends, sharpest, room, places, out)
+    for k in places[:left]:
+        out[k] = _root(out[k], out[k], q[k], pushed[k], softest, UNKNOWN, bends)[0]
+
+
 def settled(
     asked: np.ndarray, pushed: np.ndarray, loads: tuple[Any, ...], state: np.ndarray,
     out: np.ndarray,
@@ -249,12 +263,50 @@ def _settle(q, pushed, softest, bends, table, room, numbers, state, out):  # typ
         k = owner[int(x) & (PARTS - 1)] & (PARTS - 1)
         u = (x - table[k, 4]) * table[k, 5]
         out[t] = table[k, 0] + u * (table[k, 1] + u * (table[k, 2] + u * table[k, 3]))
-    left = _stepped(q, pushed, softest, bends, sharpest, room, places, out)
-    for _ in range(SWEEPS):
-        if left == 0:
-            break
-        left = _again(left, q, pushed, softest, bends, sharpest, room, places, out)
-    for k in places[:left]:
-        out[k] = _root(out[k], out[k], q[k], pushed[k], softest, UNKNOWN, bends)[0]
+    _finished(q, pushed, softest, bends, sharpest, room, places, out)
     state[0], state[1], state[2] = q[-1] + pushed[-1], out[-1], 1.0
+    return True
+
+
+def crept(
+    asked: np.ndarray, pushed: np.ndarray, dwell: np.ndarray, loads: tuple[Any, ...],
+    state: np.ndarray, out: np.ndarray,
+) -> bool:  # fmt: skip
+    """The same for a joint that remembers nothing but where the far ends of its arms are.
+
+    Where the joint settles after they have crept is not needed to go on from there: only where it
+    is before is worked out one sample after the other.
+    """
+    room, pulled = np.empty((7, BLOCK)), np.empty(len(asked))
+    places = np.empty(len(asked), dtype=np.int64)
+    return bool(_creep(asked, pushed, dwell, *loads[1:], room, places, pulled, state, out))
+
+
+@compiled
+def _creep(q, pushed, dwell, arm, drag, softest, bends, room, places, pulled, state, out):  # type: ignore[no-untyped-def]
+    """The angles and the state (in place), if there is one angle for each sample."""
+    sharpest = _sharpest(softest, bends)
+    if sharpest < 0.0:
+        return False
+    far = state[2:-1]
+    asked, at, tangent, stiff = state[0], state[1], UNKNOWN, softest
+    if state[-1] == 0.0:
+        asked = q[0] + pushed[0]
+        at, tangent = _root(asked, asked, q[0], pushed[0], softest, tangent, bends)
+        far[:] = at
+    eased, relaxed, arm[:, 3] = -1.0, -1.0, NEVER
+    last = at
+    for t in range(q.size):
+        stiff, pull = _pulled(softest, pushed[t], far, arm)
+        guess = at + (q[t] + pushed[t] - asked) * tangent[2]
+        asked = q[t] + pushed[t]
+        last, tangent = _rested(guess, last, q[t], stiff, pull, tangent, bends)
+        if eased != tangent[3] or abs(dwell[t] - relaxed) > SAME_DWELL * relaxed:
+            eased, relaxed = tangent[3], dwell[t]
+            _let_go(eased, relaxed, arm)
+        late = _relax(last, far, arm)
+        at = last + late * eased
+        out[t], pulled[t] = at, pull + late
+    _finished(q, pulled, stiff, bends, sharpest, room, places, out)
+    state[0], state[1], state[-1] = asked, out[-1], 1.0
     return True
