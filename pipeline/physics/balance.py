@@ -24,6 +24,7 @@ from pipeline.physics.equilibrium import NEVER, balance
 from pipeline.physics.kinematics import Curve
 from pipeline.physics.memoryless import FEWEST, crept, settled
 from pipeline.physics.motion import Motion
+from pipeline.physics.tabled import FAR
 
 if TYPE_CHECKING:
     from pipeline.physics.mechanism import Piece
@@ -121,10 +122,8 @@ def settle(
     if len(asked):
         bent = carried[3 + sliders : 3 + sliders + bristles]
         bends = bending(load, (cubic, gravity, zero, 1.0 / motion.radian), curve, bent)
-        arm = load.arm
-        if arms:
-            arm = np.empty((arms, 5))
-            arm[:, :2] = load.arm
+        arm = np.empty((arms, 5))
+        arm[:, :2] = load.arm
         solve(
             np.ascontiguousarray(asked), pushed, dwell, (load.slip, arm, load.drag, linear, bends),
             carried[1:], angle,
@@ -165,15 +164,13 @@ def solve(
     Arguments: see `equilibrium.balance`.
     """
     slip, arm, drag, _, bends = loads
-    done = False
-    if bends is not None and len(state) == 3 + len(arm) and drag == 0.0 and len(asked) >= FEWEST:
-        done = (
-            crept(asked, pushed, dwell, loads, state, angle)
-            if len(arm)
-            else settled(asked, pushed, loads, state, angle)
-        )
-    if not done:
-        balance(asked, pushed, dwell, loads, state, angle)
+    slides = len(slip) > 0 or drag > 0.0 or (bends is not None and len(bends[8]) > 0)
+    if bends is not None and not slides and len(asked) >= FEWEST:
+        if len(arm) == 0 and settled(asked, pushed, loads, state, angle):
+            return
+        if len(arm) > 0 and crept(asked, pushed, dwell, loads, state, angle):
+            return
+    balance(asked, pushed, dwell, loads, state, angle)
 
 
 def bending(load: Load, smooth: Smooth, curve: Curve, bent: np.ndarray) -> Bends | None:
@@ -187,7 +184,18 @@ def bending(load: Load, smooth: Smooth, curve: Curve, bent: np.ndarray) -> Bends
     straight = pretension >= NEVER and not (smooth[0] or smooth[1] or pull[1] or grows)
     if straight and not (len(contact) or len(give) or len(bristle)):
         return None
-    return *smooth, contact, give, pull, min(NEVER, pretension), bristle, bent
+    curved = smooth[0] or smooth[1] or pull[1] or pretension < NEVER or len(give) or len(bristle)
+    free = (NEVER, -NEVER) if curved else untouched(contact)
+    return *smooth, contact, give, pull, min(NEVER, pretension), bristle, bent, free
+
+
+def untouched(contact: np.ndarray) -> tuple[float, float]:
+    """Angles between which no contact or stop pushes."""
+    low, high = -NEVER, NEVER
+    for sharpness, angle in contact[:, :2].tolist():
+        edge = angle - FAR / sharpness
+        low, high = (low, min(high, edge)) if sharpness > 0.0 else (max(low, edge), high)
+    return low, high
 
 
 def pulling(loose: Loose | None, toe: Toe | None, curve: Curve) -> Wires:

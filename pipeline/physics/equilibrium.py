@@ -78,7 +78,7 @@ def _missing(at, start, asked, stiff, pull, bends):  # type: ignore[no-untyped-d
 
     Where wires hang loose, it is the equation of their pull, which never gets steep.
     """
-    cubic, gravity, zero, unit, contact, give, loose, pretension, bristle, bent = bends
+    cubic, gravity, zero, unit, contact, give, loose, pretension, bristle, bent, _ = bends
     load, steep = at * stiff - pull, stiff
     if cubic != 0.0:
         load += cubic * at * at * at
@@ -145,6 +145,19 @@ def _rested(at, start, asked, stiff, pull, tangent, bends):  # type: ignore[no-u
 
 
 @inlined
+def _settled(at, start, asked, stiff, pull, tangent, bends):  # type: ignore[no-untyped-def]
+    """The same: on a line, which needs no angle to begin at, where nothing touches the joint."""
+    low, high = bends[10]
+    if low < high:
+        slope = 1.0 + stiff
+        yielding = tangent[1] if slope == tangent[0] else 1.0 / slope
+        there = (asked + pull) * yielding
+        if low < there < high:
+            return there, (slope, yielding, yielding, yielding)
+    return _rested(at, start, asked, stiff, pull, tangent, bends)
+
+
+@inlined
 def _line(way, at, ends, slip):  # type: ignore[no-untyped-def]
     """Sliders as one spring for motion this way from `at`: way, stiffness, load at 0, its end."""
     stiff, load, near = 0.0, 0.0, way * NEVER
@@ -198,7 +211,7 @@ def _moved(at, joint, asked, stiff, pull, bends, slip, ends):  # type: ignore[no
             if slip.shape[0] > 0 and slip[0, 3] != 0.0:
                 wider = 1.0 + slip[0, 3] * abs(theta)
                 stuck, held = wider * stuck, wider * held
-            at, tangent = _rested(at, theta, asked, stiff + stuck, pull - held, tangent, bends)
+            at, tangent = _settled(at, theta, asked, stiff + stuck, pull - held, tangent, bends)
         if slip.shape[0] == 0:
             break
         if way * (at - near) > 0.0:
@@ -217,7 +230,7 @@ def _without_bristles(bends):  # type: ignore[no-untyped-def]
     """What bends a joint at the very beginning: bristles stand upright."""
     if bends is None:
         return bends
-    return (*bends[:8], bends[8][:0], bends[9])
+    return (*bends[:8], bends[8][:0], *bends[9:])
 
 
 @inlined

@@ -16,6 +16,7 @@ from numba import njit
 from pipeline.physics.decay import decayed_abreast
 from pipeline.physics.equilibrium import (
     LEAST_PULL, LEAST_SLOPE, NEVER, PRECISE, SAME_DWELL, _let_go, _pulled, _relax, _rested,
+    _settled,
 )  # fmt: skip
 from pipeline.physics.tabled import FAR, inlined, ramped_abreast, waved
 
@@ -41,7 +42,7 @@ def _sharpest(softest, bends):  # type: ignore[no-untyped-def]
 
     A weight can outweigh what holds the joint; no other load falls with the angle.
     """
-    cubic, gravity, _, unit, contact, give, loose, pretension, _, _ = bends
+    cubic, gravity, _, unit, contact, give, loose, pretension, _, _, _ = bends
     least, stiff, wires = softest - abs(gravity) * unit, softest, 1.0
     bend = loose[1] + np.sqrt(3.0 * cubic) + abs(gravity) * unit * unit / FIRM
     for j in range(contact.shape[0]):
@@ -300,7 +301,7 @@ def _creep(q, pushed, dwell, arm, drag, softest, bends, room, places, pulled, st
         stiff, pull = _pulled(softest, pushed[t], far, arm)
         guess = at + (q[t] + pushed[t] - asked) * tangent[2]
         asked = q[t] + pushed[t]
-        last, tangent = _rested(guess, last, q[t], stiff, pull, tangent, bends)
+        last, tangent = _settled(guess, last, q[t], stiff, pull, tangent, bends)
         if eased != tangent[3] or abs(dwell[t] - relaxed) > SAME_DWELL * relaxed:
             eased, relaxed = tangent[3], dwell[t]
             _let_go(eased, relaxed, arm)
