@@ -4,8 +4,10 @@ Without sliders, bristles, arms and dashpot, the angle is a function of what is 
 one value, it is followed once, from the lowest that is asked to the highest, in steps as long as it
 is even (numerical continuation: Allgower and Georg, Introduction to Numerical Continuation Methods
 (2003)), and kept as a cubic for each of PARTS. From what that says, Newton's method takes all
-samples at once, and again those that moved far: no step waits for another sample's. `balance.py`
-has the equation, `equilibrium.py` the joints that remember.
+samples at once, and again those that moved far: no step waits for another sample's. What arms let
+go follows from where the joint is before they do, and so does all that comes later: where it
+settles then, which is what is seen, is taken for all samples at once too. `balance.py` has the
+equation, `equilibrium.py` the joints that remember.
 """
 
 from typing import Any
@@ -15,7 +17,15 @@ from numba import njit
 
 from pipeline.physics.decay import decayed_abreast
 from pipeline.physics.equilibrium import (
-    LEAST_PULL, LEAST_SLOPE, NEVER, PRECISE, SAME_DWELL, _let_go, _pulled, _relax, _rested,
+    LEAST_PULL,
+    LEAST_SLOPE,
+    NEVER,
+    PRECISE,
+    SAME_DWELL,
+    _let_go,
+    _pulled,
+    _relax,
+    _rested,
     _settled,
 )  # fmt: skip
 from pipeline.physics.tabled import FAR, inlined, ramped_abreast, waved

@@ -9,6 +9,7 @@ from pipeline.physics import balance as at_joint
 from pipeline.physics.compliance import Compliance
 from pipeline.physics.contact import Contact
 from pipeline.physics.coupling import Coupling
+from pipeline.physics.creep import Creep
 from pipeline.physics.end_stop import EndStop
 from pipeline.physics.friction import Friction
 from pipeline.physics.gravity import Gravity
@@ -16,6 +17,7 @@ from pipeline.physics.mechanism import Mechanism, Piece
 from pipeline.physics.memoryless import FEWEST
 from pipeline.physics.motion import Motion
 from pipeline.physics.slack import Slack
+from pipeline.physics.tabled import FAR
 from pipeline.physics.term import Surroundings
 
 AROUND = Surroundings(drive_low=-60.0, drive_span=120.0, angle_low=-60.0, angle_span=120.0)
@@ -62,6 +64,28 @@ def test_all_samples_abreast_are_as_one_by_one(monkeypatch, apart):
         off.append(np.abs(abreast - one_by_one(monkeypatch, mechanism, motion)).max())
     assert np.median(off) < 2e-6
     assert max(off) < 1e-3, off
+
+
+def test_a_joint_that_creeps_settles_abreast_as_one_by_one(monkeypatch):
+    rng, off = np.random.default_rng(4), []
+    for motion in (cycles(), cycles(apart=7)):
+        for _ in range(20):
+            creep = Piece(Creep(), np.array([rng.uniform(0.0, 0.6), rng.uniform(1.0, 200.0)]))
+            mechanism = Mechanism(pieces=[creep, *drawn(rng).pieces])
+            abreast = mechanism.respond(motion)[0]
+            off.append(np.abs(abreast - one_by_one(monkeypatch, mechanism, motion)).max())
+    assert 0.0 < np.median(off) < 2e-6
+    assert max(off) < 1e-3, off
+
+
+def test_where_nothing_touches_a_joint_it_is_as_if_nothing_could():
+    motion, sticky = cycles(), Piece(Friction(), np.array([5.0, 4.0, 0.7]))
+    far = Piece(EndStop("upper"), np.array([57.0, 0.3, 0.02]))
+    free = Mechanism(pieces=[sticky]).respond(motion)[0]
+    before = free < 57.0 - 0.3 * FAR
+    touched = Mechanism(pieces=[sticky, far]).respond(motion)[0]
+    ahead = slice(0, int(np.argmin(before)))
+    np.testing.assert_allclose(touched[ahead], free[ahead], rtol=0.0, atol=1e-12)
 
 
 @pytest.mark.parametrize(
