@@ -57,7 +57,8 @@ def absurd_calibration(fit: Fit) -> str | None:
     """Which part of the calibration no calibration can be, in words.
 
     A gain that is off by a factor of two, or turned round, speaks of units or wiring; an offset
-    beyond all that the simulation moves, too.
+    beyond all that the simulation moves, too, in the middle of that: at a zero that is far from
+    there, each gain has an offset of its own.
     """
     around = fit.ground.problem.around
     gain, offset = fit.nuisance[:2]
@@ -65,7 +66,9 @@ def absurd_calibration(fit: Fit) -> str | None:
     turned = gain <= 0.0 and problem.derivatives is None
     if turned or absurd_gain(float(gain), problem.tolerance):
         return f"the gain, which is {gain:.3g}"
-    if abs(offset) > max(around.angle_span, FAR_OFF * fit.ground.problem.tolerance.offset):
+    middle = around.angle_low + 0.5 * around.angle_span
+    there = offset + (gain - 1.0) * middle
+    if abs(there) > max(around.angle_span, FAR_OFF * fit.ground.problem.tolerance.offset):
         return f"the offset, which is {offset:.3g} {around.angle_unit}"
     return None
 

@@ -17,9 +17,10 @@ class CapstanFriction(Term):
     """out = pull exp(-wrap z), z from -1 to 1 over the pre-sliding `reach` of log(pull).
 
     Where reach = wrap and spread = 0, a play in the logarithm: after each reversal nothing comes
-    out until the pull has changed by a factor of exp(2 wrap). It begins as it was tightened. A wire
-    that is not pulled counts as pulled by LEAST_PULL. wrap = friction coefficient times the angle
-    that it is bent by.
+    out until the pull has changed by a factor of exp(2 wrap). It begins as it was tightened; form
+    "capstan begun" begins anywhere between that (1) and as it was let go (-1). A wire that is not
+    pulled counts as pulled by LEAST_PULL. wrap = friction coefficient times the angle that it is
+    bent by.
     Form "capstan bristle": z is of one bristle over a `reach` of pull (see `pre_sliding.py`). Form
     "pretensioned", where a way goes in and a spring pulls at the far end: pull = way + pretension,
     so that the loop is the wider the further the wire is pulled.
@@ -29,7 +30,7 @@ class CapstanFriction(Term):
 
     name = "friction"
     site = "transmission"
-    grows: ClassVar = {"capstan": ("capstan bristle",)}
+    grows: ClassVar = {"capstan": ("capstan begun", "capstan bristle")}
     says = (
         "The sheath holds the wire back by a share of its pull: the two ways differ by a factor "
         "of exp(2 x {wrap})."
@@ -57,6 +58,8 @@ class CapstanFriction(Term):
             Parameter("reach", "", 1e-3, 6.0, 0.2, 0.1),
             Parameter("spread", "", 0.0, 1.0, 0.3, 0.3),
         )
+        if self.form == "capstan begun":
+            return (*own, Parameter("begun", "", -1.0, 1.0, 0.0, 1.0))
         if self.form != "pretensioned":
             return own
         span, home = around.angle_span, -around.angle_low
@@ -73,8 +76,9 @@ class CapstanFriction(Term):
             return signal * np.exp(-wrap * share), bent
         home = float(values[3]) if self.form == "pretensioned" else 0.0
         pull = signal + home
-        if state is None and self.form == "capstan":
-            state = np.append(np.log(max(pull[0], LEAST_PULL)), np.ones(ELEMENTS))
+        if state is None and self.form != "pretensioned":
+            begun = float(values[3]) if self.form == "capstan begun" else 1.0
+            state = np.append(np.log(max(pull[0], LEAST_PULL)), np.full(ELEMENTS, begun))
         share, slid = sliding(np.log(np.maximum(pull, LEAST_PULL)), reach, spread, state)
         return pull * np.exp(-wrap * share) - home, slid
 
@@ -94,7 +98,8 @@ class CapstanFriction(Term):
                 ]
             )
         wraps = (0.05, 0.1, 0.2, 0.35, 0.6, 1.0)
-        return np.array([[w, w * r, 0.1] for w in wraps for r in (0.3, 1.0)])
+        begun = ((-1.0,), (0.0,), (1.0,)) if self.form == "capstan begun" else ((),)
+        return np.array([[w, w * r, 0.1, *b] for w in wraps for r in (0.3, 1.0) for b in begun])
 
     def scaled(self, values: np.ndarray, factor: float) -> np.ndarray:
         """The play in the logarithm stays one: its reach grows with its wrap."""

@@ -43,6 +43,7 @@ def terms(other_commands: Iterable[str] = ()) -> tuple[Term, ...]:
         Backlash(),
         Friction(),
         CapstanFriction(),
+        CapstanFriction("capstan begun"),
         CapstanFriction("pretensioned"),
         SheathStretch(),
         Slack("home"),

@@ -1,10 +1,12 @@
 """Fits: recovery, intervals that cover, ties, outliers."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
-from pipeline.config import DiagnosisConfig
-from pipeline.discrepancy.charge import VOID, complexity
+from pipeline.config import DiagnosisConfig, ToleranceConfig
+from pipeline.discrepancy.charge import VOID, absurd_calibration, complexity
 from pipeline.discrepancy.explain import explain
 from pipeline.discrepancy.fit import evaluate, ground_of, improve, jacobian
 from pipeline.discrepancy.intervals import covariance_of, estimates, wide_covariance
@@ -17,6 +19,7 @@ from pipeline.discrepancy.screen import effects_of
 from pipeline.discrepancy.thinning import sparser, thinned
 from pipeline.physics.catalogue import term
 from pipeline.physics.mechanism import Piece
+from pipeline.physics.term import Surroundings
 from tests.discrepancy.made import NOISE, recorded
 
 HIDDEN = {"backlash": {"width": 4.0}, "transmission_ripple": {"amplitude": 1.0, "period": 20.0}}
@@ -183,3 +186,14 @@ def test_cycles_still_repeat_in_a_thinned_recording_with_lost_frames():
     assert learn_noise(small).repeats == 20
     steps = recording.samples["step"].to_numpy()[small.picked.rows] if small.picked else []
     assert np.bincount(steps).min() >= 5
+
+
+def test_an_offset_is_judged_where_the_simulation_moves():
+    """A line of gain 0.4 through pulls of 95 to 105 N stands 60 N off where nothing pulls."""
+    around = Surroundings(angle_low=98.0, angle_span=4.0, angle_unit="N")
+    problem = SimpleNamespace(
+        around=around, tolerance=ToleranceConfig(gain=3.0, offset=2.0), derivatives=None
+    )
+    ground = SimpleNamespace(problem=problem)
+    assert absurd_calibration(SimpleNamespace(ground=ground, nuisance=(2.5, -150.0))) is None
+    assert "offset" in absurd_calibration(SimpleNamespace(ground=ground, nuisance=(1.0, -50.0)))

@@ -56,6 +56,15 @@ def test_it_begins_as_it_was_tightened():
         assert out[0] == pytest.approx(pull[0] * np.exp(-WRAP))
 
 
+def test_it_begins_where_it_was_left():
+    pull, cycle = pulls_n()
+    motion = Motion(pull, np.arange(len(pull)) * 0.1, cycle)
+    for begun in (1.0, 0.3, -1.0):
+        values = np.array([WRAP, WRAP, 0.0, begun])
+        out, _ = CapstanFriction("capstan begun").respond(pull, motion, values, None)
+        assert out[0] == pytest.approx(pull[0] * np.exp(-begun * WRAP))
+
+
 def diagnosed(folder: Path, asked: np.ndarray, out: np.ndarray, cycle: np.ndarray, unit: str,
               line: bool = False):  # fmt: skip
     """The diagnosis of what a sheath makes (n,) of what is asked (n,), which is the simulation.
@@ -109,4 +118,14 @@ def test_beside_a_fitted_line_the_pull_is_what_friction_takes_its_share_of(
     found = diagnosed(tmp_path, pull, sheath(pull, 2 * WRAP), cycle, "N", line=True)
     assert [p.name for p in found.physics] == ["friction"]
     assert found.physics[0].parameters[0].value == pytest.approx(2 * WRAP, rel=0.03)
+    assert found.after.heldout_rmse < 1.1 * NOISE_N
+
+
+def test_a_wire_that_was_let_go_before_the_first_sample_is_no_other_physics(tmp_path: Path):
+    rng = np.random.default_rng(2)
+    swing = np.convolve(rng.standard_normal(900), np.hanning(60), "valid")[:600]
+    pull = 18.0 + 12.0 * swing / np.abs(swing).max()
+    out = sheath(np.concatenate([[pull[0] * np.exp(0.5 * WRAP)], pull]), WRAP, 1)[1:]
+    found = diagnosed(tmp_path, pull, out, np.arange(600) // 150, "N", line=True)
+    assert (found.verdict, [p.name for p in found.physics]) == ("explained", ["friction"])
     assert found.after.heldout_rmse < 1.1 * NOISE_N
