@@ -53,7 +53,9 @@ def measure_angles(
                     f"none in {len(seen)} ({reason})",
                     "Check camera and vision configuration (colours, marker_separation_mm).")
         )  # fmt: skip
-    outlier = flag_outliers(angle_deg, config.gate_deviations)
+    told = f"{axis}_command_deg"
+    command_deg = recording.values(told) if told in recording.samples else None
+    outlier = flag_outliers(angle_deg, config.gate_deviations, command_deg)
     channel = Channel(f"{axis}_angle_deg", "measurement", "deg")
     return Vision(recording.with_channel(channel, angle_deg), _table(seen, outlier))
 

@@ -6,12 +6,16 @@ from filterpy.kalman import KalmanFilter
 SMALLEST_NOISE_DEG = 0.02
 NORMAL_MAD = 1.4826
 ROWS_TO_BELIEVE = 3
+MOTION = np.array([[0.25, 0.5], [0.5, 1.0]])
 
 
-def flag_outliers(angle_deg: np.ndarray, deviations: float) -> np.ndarray:
+def flag_outliers(
+    angle_deg: np.ndarray, deviations: float, command_deg: np.ndarray | None = None
+) -> np.ndarray:
     """True where a value lies more than `deviations` from where the track leads, (n,) bool.
 
     angle_deg: (n,) in the order of time, NaN where nothing was measured (never flagged).
+    command_deg: (n,) what was told, if known: where it went further than usual, so may the angle.
 
     The filter's state is angle and change per row. Its noise is taken from the track: of the
     measurement from the second differences, of the motion from the usual change per row, so that a
@@ -20,11 +24,12 @@ def flag_outliers(angle_deg: np.ndarray, deviations: float) -> np.ndarray:
     """
     flags = np.zeros(len(angle_deg), dtype=bool)
     noise_deg, change_deg = _usual(angle_deg)
+    changes_deg = _expected(len(angle_deg), change_deg, command_deg)
     kalman: KalmanFilter | None = None
     doubted: list[int] = []
     for row, value in enumerate(angle_deg):
         if kalman is not None:
-            kalman.predict()
+            kalman.predict(Q=changes_deg[row] ** 2 * MOTION)
         if np.isnan(value):
             if kalman is not None:
                 kalman.update(None)
@@ -55,6 +60,18 @@ def _usual(angle_deg: np.ndarray) -> tuple[float, float]:
     return max(noise_deg, SMALLEST_NOISE_DEG), max(change_deg, SMALLEST_NOISE_DEG)
 
 
+def _expected(count: int, change_deg: float, command_deg: np.ndarray | None) -> np.ndarray:
+    """Change of the angle to be expected at each row [deg], (count,): at least the usual one.
+
+    A long way makes the track lead on too far for some rows.
+    """
+    if command_deg is None:
+        return np.full(count, change_deg)
+    way_deg = np.abs(np.diff(command_deg, prepend=command_deg[:1]))
+    before = [np.append(np.zeros(k), way_deg)[:count] for k in range(ROWS_TO_BELIEVE)]
+    return np.maximum(np.max(before, axis=0), change_deg)
+
+
 def _filter_at(value_deg: float, noise_deg: float, change_deg: float) -> KalmanFilter:
     kalman = KalmanFilter(dim_x=2, dim_z=1)
     kalman.x = np.array([[value_deg], [0.0]])
@@ -62,7 +79,6 @@ def _filter_at(value_deg: float, noise_deg: float, change_deg: float) -> KalmanF
     kalman.H = np.array([[1.0, 0.0]])
     kalman.P = np.diag([noise_deg**2, change_deg**2])
     kalman.R = np.array([[noise_deg**2]])
-    kalman.Q = change_deg**2 * np.array([[0.25, 0.5], [0.5, 1.0]])
     return kalman
 
 

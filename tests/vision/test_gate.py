@@ -44,6 +44,15 @@ def test_wild_values_that_agree_with_nothing_stay_flagged():
     assert np.flatnonzero(flag_outliers(angle_deg, 5.0)).tolist() == list(range(60, 66))
 
 
+def test_where_the_command_goes_far_the_angle_may_too():
+    ways = np.concatenate([np.full(60, 0.5), [6.0, 6.0, -6.0, 0.0, 0.0, -12.0], np.full(60, -0.5)])
+    command_deg = np.cumsum(ways)
+    angle_deg = command_deg + 0.1 * np.random.default_rng(1).standard_normal(len(ways))
+    angle_deg[[30, 100]] += 25.0
+    assert len(np.flatnonzero(flag_outliers(angle_deg, 5.0))) > 2
+    assert np.flatnonzero(flag_outliers(angle_deg, 5.0, command_deg)).tolist() == [30, 100]
+
+
 def test_missing_values_are_neither_flagged_nor_poison_the_filter():
     angle_deg = track(0.1)[:150]
     angle_deg[[0, 1, 40, 41, 42, 43, 44, 149]] = np.nan
