@@ -25,6 +25,7 @@ BEAM = 3
 BRANCHES = 7
 MOST_TERMS = 4
 LEAST_GAIN = 6.0
+WHITE = 1
 SAME = 1.0
 EARLIER = 6
 LAGGARD, CLEAR, HOPELESS = 0.3, 60.0, 0.1
@@ -85,8 +86,19 @@ class Search:
         self.seen[frozenset(choice.fit.names)] = min(known, choice, key=lambda c: c.score)
         return choice
 
+    def whitened(self, choice: Choice) -> Choice:
+        """The choice, or what becomes of it from noise without memory, if better.
+
+        Noise that is correlated takes over what slow errors of sizes and moments leave, and its
+        terms, fitted beside it, leave them there.
+        """
+        if choice.place[0] == WHITE or len(self.family.shapes) == 1 or not choice.fit.pieces:
+            return choice
+        other = self.weighed(*self.stilled(choice.fit, (WHITE, 0, 0), 4))
+        return min(choice, other, key=lambda c: c.score)
+
     def stilled(self, fit: Fit, place: Place, iterations: int) -> tuple[Fit, Place]:
-        """The fit under noise of the same shape that neither jitters nor walks."""
+        """The fit under noise of the shape of a place that neither jitters nor walks."""
         still = (place[0], 0, 0)
         residual = np.where(fit.ground.used, fit.ground.problem.measured - fit.predicted, 0.0)
         noise = self.family.noise_at(still, self.family.weigh(still, residual)[1])
@@ -325,4 +337,4 @@ def grown(search: Search, choice: Choice, but: Container[str] = ()) -> Choice:
                 choice = trial
             else:
                 search.vain[key] = choice.score
-    return choice
+    return search.whitened(choice)

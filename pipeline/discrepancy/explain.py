@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from pipeline.discrepancy.accuracy import within_accuracy
+from pipeline.discrepancy.alone import alone
 from pipeline.discrepancy.choose import (
     LEAST_GAIN,
     SAME,
@@ -109,7 +110,8 @@ def searched(problem: Problem) -> Explanation:
         used = problem.train & settled & ~found
         search = Search(candidates, effects, noise_family(prior, problem, used))
         choices = choose_again(search, ground_of(problem, prior.model, used), choices)
-    choices = levelled(search, searched_wide(search, choices, polished(search, choices)))
+    told = alone(search, polished(search, choices))
+    choices = levelled(search, searched_wide(search, choices, told))
     choices = best_of_each([*contested(search, choices), *search.seen.values()])
     if prior.repeats == 0 and problem.derivatives is None:
         search, choices = judged(search, choices)

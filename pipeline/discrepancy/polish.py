@@ -27,9 +27,10 @@ def polished(search: Search, choices: list[Choice]) -> list[Choice]:
     plain = min(
         (c for c in found if set(c.fit.names) == set(best.fit.names)), key=lambda c: c.score
     )
-    sheath = sheathed(search, plain)
-    if sheath is not plain:
-        found = best_of_each([*found, *_polished(search, [*choices, sheath])])
+    for start in {id(c): c for c in (plain, alone)}.values():
+        sheath = sheathed(search, start)
+        if sheath is not start and sheath.score < min(found[0].score, start.score):
+            found = best_of_each([*found, *_polished(search, [*choices, sheath])])
     return best_of_each([*found, stopped(search, found[0])])
 
 

@@ -54,7 +54,7 @@ class Slack(Term):
             [
                 [width * span, middle + centre * span, 0.002 * span, STIFFNESS]
                 for width in widths
-                for centre in (-0.15, -0.05, 0.0, 0.05, 0.15)
+                for centre in np.linspace(-CENTRES, CENTRES, apart(width))
             ]
         )
 
@@ -64,5 +64,11 @@ class Slack(Term):
         return around.drive_span > 0.0 and (home or HOME not in self.form)
 
 
+def apart(width: float) -> int:
+    """How many places (odd) for a slack of a width leave no gap between them, 5 at least."""
+    return max(2 * round(CENTRES / width) + 1, 5)
+
+
 STIFFNESS = 0.03
+CENTRES = 0.25
 MOST_SHARP = 400.0

@@ -8,6 +8,8 @@ from numba import njit
 from pipeline.physics.motion import Motion
 from pipeline.physics.term import Parameter, Surroundings, Term
 
+SOONER = 0.5
+
 
 @njit(cache=True)
 def varying_play(drive: np.ndarray, half_width: np.ndarray, start: float) -> np.ndarray:
@@ -35,6 +37,7 @@ class TensionLoss(Term):
     site = "transmission"
     before_curve = True
     group = "play"
+    far_apart = True
     grows: ClassVar = {"linear": ("late", "settling")}
     says = "The wire slackens: its play was {width} at the start and grows by {growth} of travel."
 
@@ -81,6 +84,16 @@ class TensionLoss(Term):
         if self.form == "linear":
             return np.array(rows)
         return np.array([[*r, s * around.travel] for r in rows for s in (0.15, 0.4)])
+
+    def retold(self, starts: np.ndarray) -> np.ndarray:
+        """Play that settles looks steady once it has: as wide by then, it may all have grown."""
+        if self.form != "settling":
+            return starts
+        sooner = starts * [1.0, 1.0, SOONER]
+        grown = np.vstack([starts, sooner])
+        grown[:, 0] += grown[:, 1] / grown[:, 2]
+        grown[:, 1] = 0.0
+        return np.vstack([starts, grown])
 
     def excited(self, motion: Motion, around: Surroundings) -> bool:
         return around.cycles >= 2 and around.travel > 0.0

@@ -8,22 +8,52 @@ from pipeline.discrepancy.fit import evaluate, ground_of, improve
 from pipeline.discrepancy.noise import NoiseModel
 from pipeline.discrepancy.problem import pose_problem
 from pipeline.discrepancy.reform import reformed
-from pipeline.physics.catalogue import term
+from pipeline.physics.catalogue import richer, term
 from pipeline.physics.mechanism import Piece
 from tests.discrepancy.made import recorded
+from tests.discrepancy.test_unrepeated import ROWS, WAVES, moved, problem_of
 
 QUIET = 0.05
+
+
+def ground_with(hidden):
+    recording = recorded(hidden, noise=QUIET)
+    simulated = recording.values("pitch_angle_sim_deg")
+    problem = pose_problem(DiagnosisConfig(), recording, "pitch_angle_deg", simulated)
+    return ground_of(problem, NoiseModel(QUIET, 0.0, 0.0), problem.train)
 
 
 @pytest.mark.parametrize("apart", [(0.083, 6.7, 0.05, 34.0), (0.12, 7.0, 0.08, 60.0)])
 def test_creep_of_two_times_is_found_from_the_one_between_them(apart):
     names = ("share", "time_constant", "share_2", "time_constant_2")
     hidden = dict(zip(names, apart, strict=True))
-    recording = recorded({"creep/two": hidden}, noise=QUIET)
-    simulated = recording.values("pitch_angle_sim_deg")
-    problem = pose_problem(DiagnosisConfig(), recording, "pitch_angle_deg", simulated)
-    ground = ground_of(problem, NoiseModel(QUIET, 0.0, 0.0), problem.train)
+    ground = ground_with({"creep/two": hidden})
     truth = improve(evaluate(ground, [Piece(term("creep", "two"), np.array(apart))]), 10)
     between = improve(evaluate(ground, [Piece(term("creep", "one"), np.array([0.1, 25.0]))]), 20)
     assert between.cost > truth.cost + 30.0
     assert reformed(between, 0, term("creep", "two")).cost < truth.cost + 1.0
+
+
+def test_an_old_frame_of_poses_that_are_held_is_found_from_one_of_poses_on_their_way():
+    time_s = np.cumsum(np.where(np.arange(ROWS) // 150 % 2 == 0, 0.5, 2.0))
+    hidden = [1.1, 0.15]
+    problem = problem_of(moved(12.0 * WAVES, ("frame_lag/held", hidden), seed=1, time_s=time_s))
+    ground = ground_of(problem, NoiseModel(0.2, 0.0, 0.0), problem.train)
+    (held,) = richer(term("frame_lag", "time"))
+    truth = improve(evaluate(ground, [Piece(held, np.array(hidden))]), 10)
+    begun = improve(evaluate(ground, [Piece(term("frame_lag", "time"), np.array([0.7]))]), 20)
+    assert begun.cost > truth.cost + 30.0
+    assert reformed(begun, 0, held).cost < truth.cost + 1.0
+
+
+@pytest.mark.parametrize(("growth", "settled"), [(0.006, 180.0), (0.004, 150.0)])
+def test_play_that_has_settled_soon_is_found_from_one_that_grows_little(growth, settled):
+    ground = ground_with(
+        {"tension_loss/settling": {"growth": growth, "width": 0.0, "settled": settled}}
+    )
+    course = term("tension_loss", "settling")
+    truth = improve(evaluate(ground, [Piece(course, np.array([growth, 0.0, settled]))]), 10)
+    steady = Piece(term("tension_loss", "linear"), np.array([1e-4, 0.6]))
+    begun = improve(evaluate(ground, [steady]), 20)
+    assert begun.cost > truth.cost + 30.0
+    assert reformed(begun, 0, course).cost < truth.cost + 3.0

@@ -1,0 +1,33 @@
+"""What a search once missed although it fits best: from where its own form is reached."""
+
+import pytest
+
+from pipeline.discrepancy.fit import evaluate, improve
+from pipeline.physics.catalogue import term
+from pipeline.physics.mechanism import Piece
+from pipeline.physics.term import values_of
+from tests.discrepancy.made import explained, recorded
+
+WITHIN = 3.0
+
+
+@pytest.mark.parametrize(
+    ("key", "parameters"),
+    [
+        ("slack/", {"width": 2.6, "centre": 24.0, "rounding": 0.05}),
+        (
+            "friction/pretensioned",
+            {"wrap": 0.004, "reach": 0.004, "spread": 0.5, "pretension": 100.0},
+        ),
+        ("lens_distortion/second", {"distortion": 1.8e-4, "centre": -8.0, "distortion_2": -1e-7}),
+    ],
+)
+def test_a_search_is_no_worse_than_a_fit_that_begins_at_the_truth(key, parameters):
+    found = explained(recorded({key: parameters}, noise=0.15))
+    best, name = found.choices[0], key.partition("/")[0]
+    hidden = term(name, key.partition("/")[2])
+    around = found.problem.around
+    true = Piece(hidden, values_of(hidden, around, parameters))
+    fit = improve(evaluate(best.fit.ground, [true]))
+    assert best.fit.names == (name,)
+    assert best.score < found.search.weighed(fit, best.place).score + WITHIN
