@@ -337,4 +337,4 @@ def grown(search: Search, choice: Choice, but: Container[str] = ()) -> Choice:
                 choice = trial
             else:
                 search.vain[key] = choice.score
-    return search.whitened(choice)
+    return choice

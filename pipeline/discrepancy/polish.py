@@ -41,7 +41,7 @@ def _polished(search: Search, choices: list[Choice]) -> list[Choice]:
     for _ in range(3):
         best = min(found.values(), key=lambda c: c.score)
         richest = lagging(search, merged(search, grown(search, best)))
-        richest = loosened(search, tautened(search, richest))
+        richest = search.whitened(loosened(search, tautened(search, richest)))
         if richest is not best:
             found[richest.fit.key] = best = richest
         for piece in best.fit.pieces:
