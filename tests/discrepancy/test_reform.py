@@ -8,10 +8,9 @@ from pipeline.discrepancy.fit import evaluate, ground_of, improve
 from pipeline.discrepancy.noise import NoiseModel
 from pipeline.discrepancy.problem import pose_problem
 from pipeline.discrepancy.reform import reformed
-from pipeline.physics.catalogue import richer, term
+from pipeline.physics.catalogue import term
 from pipeline.physics.mechanism import Piece
 from tests.discrepancy.made import recorded
-from tests.discrepancy.test_unrepeated import ROWS, WAVES, moved, problem_of
 
 QUIET = 0.05
 
@@ -32,18 +31,6 @@ def test_creep_of_two_times_is_found_from_the_one_between_them(apart):
     between = improve(evaluate(ground, [Piece(term("creep", "one"), np.array([0.1, 25.0]))]), 20)
     assert between.cost > truth.cost + 30.0
     assert reformed(between, 0, term("creep", "two")).cost < truth.cost + 1.0
-
-
-def test_an_old_frame_of_poses_that_are_held_is_found_from_one_of_poses_on_their_way():
-    time_s = np.cumsum(np.where(np.arange(ROWS) // 150 % 2 == 0, 0.5, 2.0))
-    hidden = [1.1, 0.15]
-    problem = problem_of(moved(12.0 * WAVES, ("frame_lag/held", hidden), seed=1, time_s=time_s))
-    ground = ground_of(problem, NoiseModel(0.2, 0.0, 0.0), problem.train)
-    (held,) = richer(term("frame_lag", "time"))
-    truth = improve(evaluate(ground, [Piece(held, np.array(hidden))]), 10)
-    begun = improve(evaluate(ground, [Piece(term("frame_lag", "time"), np.array([0.7]))]), 20)
-    assert begun.cost > truth.cost + 30.0
-    assert reformed(begun, 0, held).cost < truth.cost + 1.0
 
 
 @pytest.mark.parametrize(("growth", "settled"), [(0.006, 180.0), (0.004, 150.0)])
