@@ -178,15 +178,16 @@ def bending(load: Load, smooth: Smooth, curve: Curve, bent: np.ndarray) -> Bends
 
     smooth: cubic, gravity, its zero, an angle's unit in radians. bent: forces of the bristles.
     """
-    _, bristle, _, contact, give, loose, toe, _, pretension, *_ = load
-    pull = IDEAL if loose is None and toe is None else pulling(loose, toe, curve)
+    straight = load.loose is None and load.toe is None
+    pull = IDEAL if straight else pulling(load.loose, load.toe, curve)
     grows = len(load.slip) > 0 and load.slip[0, 3] != 0.0
-    straight = pretension >= NEVER and not (smooth[0] or smooth[1] or pull[1] or grows)
-    if straight and not (len(contact) or len(give) or len(bristle)):
+    many = len(load.give) or len(load.bristle)
+    curved = smooth[0] or smooth[1] or pull[1] or load.pretension < NEVER or many
+    if not (curved or grows or len(load.contact)):
         return None
-    curved = smooth[0] or smooth[1] or pull[1] or pretension < NEVER or len(give) or len(bristle)
-    free = (NEVER, -NEVER) if curved else untouched(contact)
-    return *smooth, contact, give, pull, min(NEVER, pretension), bristle, bent, free
+    free = (NEVER, -NEVER) if curved else untouched(load.contact)
+    pretension = min(NEVER, load.pretension)
+    return *smooth, load.contact, load.give, pull, pretension, load.bristle, bent, free
 
 
 def untouched(contact: np.ndarray) -> tuple[float, float]:
