@@ -14,7 +14,7 @@ from pipeline.discrepancy.fit import (
     improve,
 )
 from pipeline.discrepancy.moments import settle_moments
-from pipeline.discrepancy.noise_family import NoiseFamily
+from pipeline.discrepancy.noise_family import WHITE, NoiseFamily
 from pipeline.discrepancy.reform import reformed
 from pipeline.discrepancy.screen import Effects, Lead, screen, started
 from pipeline.physics.catalogue import richer
@@ -25,7 +25,6 @@ BEAM = 3
 BRANCHES = 7
 MOST_TERMS = 4
 LEAST_GAIN = 6.0
-WHITE = 1
 SAME = 1.0
 EARLIER = 6
 LAGGARD, CLEAR, HOPELESS = 0.3, 60.0, 0.1

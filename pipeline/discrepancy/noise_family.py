@@ -13,6 +13,7 @@ from pipeline.discrepancy.problem import Problem
 JITTERS = (0.0, 0.08, 0.16, 0.3, 0.6, 1.2, 2.4, 4.8)
 WALKS = (0.0, 0.004, 0.01, 0.017, 0.028, 0.045, 0.08, 0.15)
 SHAPES = ((0.0, 0.0), (1.0, 0.35), (1.0, 0.5), (1.0, 0.65), (1.0, 0.78), (0.5, 0.8))
+WHITE = 1  # number of the shape without memory: SHAPES come after the one that was learnt
 SETTLED = (0.5, 0.9, 0.97, 0.99, 0.997)
 STANDING, COARSE = 0.02, 0.5
 CAP = 16.0
