@@ -12,6 +12,7 @@ from pipeline.discrepancy.problem import Problem
 from pipeline.discrepancy.result import Evidence, root_mean
 from pipeline.discrepancy.verdict import intolerable
 from pipeline.physics.differentiation import Derivatives
+from pipeline.recording import Recording
 
 WORTH_SAYING, NEARER = 0.25, 0.7
 
@@ -29,6 +30,7 @@ def notes(
             "`diagnosis.tolerance`."
         )
     out += free_gain_note(problem, best)
+    out += doubled_note(evidence.recording)
     out += sample_notes(problem)
     if problem.counted:
         out.append(
@@ -61,6 +63,18 @@ def notes(
     if explanation.prior.repeats == 0:
         out.append("No cycle repeats another: the noise was learnt from what is rough alone.")
     return tuple(out)
+
+
+def doubled_note(recording: Recording) -> list[str]:
+    """How many rows repeat the one before, time and all: a log may have written them twice."""
+    rows = recording.samples[["time_s", *(channel.name for channel in recording.channels)]]
+    doubled = int((rows.diff().iloc[1:] == 0.0).all(axis=1).sum())
+    if doubled == 0:
+        return []
+    return [
+        f"{doubled} of {len(rows)} rows repeat the one before to the last digit, time and all, and "
+        "count like others: if the log wrote them twice, leave them out, or the noise looks less."
+    ]
 
 
 def sample_notes(problem: Problem) -> list[str]:

@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 
 from pipeline.config import DiagnosisConfig
-from pipeline.discrepancy.notes import nearer_note
+from pipeline.discrepancy.notes import doubled_note, nearer_note
 from pipeline.discrepancy.problem import pose_problem
 from pipeline.recording import Channel, Recording, with_context
 
@@ -33,3 +33,12 @@ def test_a_simulation_that_lags_where_the_mechanism_does_not_is_said(lag_s, said
     assert [note.startswith("A line in motor_deg") for note in nearer_note(problem, evidence)] == (
         [True] if said else []
     )
+
+
+def test_rows_that_were_written_twice_are_said():
+    time_s = np.repeat(0.1 * np.arange(5.0), [1, 2, 1, 3, 1])
+    samples = pd.DataFrame({"time_s": time_s, "motor_deg": time_s, "tip_deg": np.sin(time_s)})
+    once = samples.drop_duplicates()
+    (note,) = doubled_note(Recording(with_context(samples, CHANNELS[:2]), CHANNELS[:2], "real"))
+    assert note.startswith("3 of 8 rows repeat the one before")
+    assert doubled_note(Recording(with_context(once, CHANNELS[:2]), CHANNELS[:2], "real")) == []
