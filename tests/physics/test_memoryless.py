@@ -80,12 +80,13 @@ def test_a_joint_that_creeps_settles_abreast_as_one_by_one(monkeypatch):
 
 def test_where_nothing_touches_a_joint_it_is_as_if_nothing_could():
     motion, sticky = cycles(), Piece(Friction(), np.array([5.0, 4.0, 0.7]))
-    far = Piece(EndStop("upper"), np.array([57.0, 0.3, 0.02]))
     free = Mechanism(pieces=[sticky]).respond(motion)[0]
-    before = free < 57.0 - 0.3 * FAR
-    touched = Mechanism(pieces=[sticky, far]).respond(motion)[0]
-    ahead = slice(0, int(np.argmin(before)))
-    np.testing.assert_allclose(touched[ahead], free[ahead], rtol=0.0, atol=1e-12)
+    for angle, ahead in ((70.0, len(free)), (57.0, 46)):
+        stop = Piece(EndStop("upper"), np.array([angle, 0.3, 0.02]))
+        touched = Mechanism(pieces=[sticky, stop]).respond(motion)[0]
+        assert np.all(free[:ahead] < angle - 0.3 * FAR)
+        np.testing.assert_allclose(touched[:ahead], free[:ahead], rtol=0.0, atol=1e-12)
+    assert np.abs(touched - free).max() > 1.0
 
 
 @pytest.mark.parametrize(
