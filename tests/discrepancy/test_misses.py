@@ -1,8 +1,10 @@
 """What a search once missed although it fits best: from where its own form is reached."""
 
+import numpy as np
 import pytest
 
 from pipeline.discrepancy.fit import evaluate, improve
+from pipeline.discrepancy.noise_family import WHITE
 from pipeline.physics.catalogue import term
 from pipeline.physics.mechanism import Piece
 from pipeline.physics.term import values_of
@@ -31,3 +33,11 @@ def test_a_search_is_no_worse_than_a_fit_that_begins_at_the_truth(key, parameter
     fit = improve(evaluate(best.fit.ground, [true]))
     assert best.fit.names == (name,)
     assert best.score < found.search.weighed(fit, best.place).score + WITHIN
+
+
+def test_what_correlated_noise_took_over_of_two_slips_is_theirs():
+    slips = {"jump": 1.64, "time": 313.46, "jump_2": 1.97, "time_2": 1499.93}
+    best = explained(recorded({"lost_steps/twice": slips}, noise=0.15, seed=39)).choices[0]
+    (piece,) = best.fit.pieces
+    assert best.place[0] == WHITE
+    np.testing.assert_allclose(piece.values[[0, 2]], [1.64, 1.97], rtol=0.05)
