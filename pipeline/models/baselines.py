@@ -72,18 +72,14 @@ def prandtl_ishlinskii(commands: np.ndarray, measured: np.ndarray, train: np.nda
 
     Source: Kuhnen, European J. Control 9 (2003) 407, without the superposed dead zones.
     """
-    signs = np.sign(LinearRegression().fit(commands[train], measured[train]).coef_)
-    columns = [np.ones(len(commands)), -np.ones(len(commands))]
-    for k, sign in enumerate(signs):
-        command = np.ascontiguousarray(commands[:, k])
-        span = float(np.ptp(command[train]))
-        columns += [
-            (sign or 1.0) * play(command, 0.5 * share * span, float(command[0]))
-            for share in BANK_SHARES
-        ]
-    features = np.column_stack(columns)
-    weights = nnls(features[train], measured[train])[0]
-    return features @ weights
+    return _banked(commands, np.zeros((len(commands), 0)), measured, train)
+
+
+def prandtl_ishlinskii_and_time(
+    timed: np.ndarray, measured: np.ndarray, train: np.ndarray
+) -> np.ndarray:
+    """The same bank beside a linear drift; the last column of `timed` is the time in s."""
+    return _banked(timed[:, :-1], timed[:, -1:], measured, train)
 
 
 def gaussian_process(commands: np.ndarray, measured: np.ndarray, train: np.ndarray) -> np.ndarray:
@@ -108,6 +104,11 @@ MODELS = (
     Baseline("coupled play", coupled_play),
     Baseline("Prandtl-Ishlinskii bank", prandtl_ishlinskii),
 )
+# Of these the inputs are the commands and, last, the time in s.
+TIMED_MODELS = (
+    Baseline("linear in all commands and time", linear),
+    Baseline("Prandtl-Ishlinskii bank and time", prandtl_ishlinskii_and_time),
+)
 
 
 def strongest_first(
@@ -127,6 +128,26 @@ def _regressed(features: np.ndarray, measured: np.ndarray, train: np.ndarray) ->
 
 def _unit(commands: np.ndarray) -> np.ndarray:
     return commands / np.maximum(np.std(commands, axis=0), 1e-300)
+
+
+def _banked(
+    commands: np.ndarray, lines: np.ndarray, measured: np.ndarray, train: np.ndarray
+) -> np.ndarray:
+    """Plays of the commands (n, k) in the direction of their gain, `lines` (n, m) in either."""
+    inputs = np.hstack([commands, lines])
+    signs = np.sign(LinearRegression().fit(inputs[train], measured[train]).coef_)
+    free = np.column_stack([np.ones(len(commands)), lines])
+    columns = [free, -free]
+    for k in range(commands.shape[1]):
+        command = np.ascontiguousarray(commands[:, k])
+        span = float(np.ptp(command[train]))
+        columns += [
+            (signs[k] or 1.0) * play(command, 0.5 * share * span, float(command[0]))
+            for share in BANK_SHARES
+        ]
+    features = np.column_stack(columns)
+    weights = nnls(features[train], measured[train])[0]
+    return features @ weights
 
 
 def _played(commands: np.ndarray, measured: np.ndarray, train: np.ndarray) -> np.ndarray:

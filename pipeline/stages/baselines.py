@@ -7,13 +7,18 @@ import pandas as pd
 
 from pipeline.config import DiagnosisConfig
 from pipeline.discrepancy.problem import Problem, pose_problem
-from pipeline.models.baselines import MODELS, Predict, linear, offset_and_gain, strongest_first
+from pipeline.models.baselines import (
+    MODELS,
+    TIMED_MODELS,
+    Predict,
+    offset_and_gain,
+    strongest_first,
+)
 from pipeline.recording import Recording
 from pipeline.stages.comparison import comparison
 from pipeline.stages.diagnosis import simulated
 
 AS_IT_CAME, REFITTED = "simulation as it came", "offset and gain"
-LINEAR_AND_TIME = "linear in all commands and time"
 
 
 def compare(config: DiagnosisConfig, recording: Recording) -> pd.DataFrame:
@@ -46,8 +51,9 @@ def answers(problem: Problem, recording: Recording) -> list[tuple[str, np.ndarra
     trials: list[tuple[str, Predict, np.ndarray]] = [(REFITTED, offset_and_gain, came)]
     if ranked.shape[1]:
         seconds = problem.motion.time_s - problem.motion.time_s[0]
-        trials.append((LINEAR_AND_TIME, linear, np.column_stack([ranked, seconds])))
+        timed = np.column_stack([ranked, seconds])
         trials += [(model.name, model.predict, ranked) for model in MODELS]
+        trials += [(model.name, model.predict, timed) for model in TIMED_MODELS]
     out += [(name, predict(inputs, measured, train)) for name, predict, inputs in trials]
     return out
 

@@ -5,9 +5,11 @@ import pytest
 
 from pipeline.models.baselines import (
     MODELS,
+    TIMED_MODELS,
     coupled_play,
     own_play,
     prandtl_ishlinskii,
+    prandtl_ishlinskii_and_time,
     strongest_first,
 )
 from pipeline.physics.backlash import play
@@ -31,13 +33,22 @@ def test_two_plays_are_foretold(model, limit):
     assert np.sqrt(np.mean(error[~TRAIN] ** 2)) < limit
 
 
+def test_two_plays_on_a_zero_that_drifts_are_foretold():
+    timed = np.column_stack([COMMANDS, TIME])
+    measured = played(6.0, 3.0) - 0.4 * TIME
+    error = measured - prandtl_ishlinskii_and_time(timed, measured, TRAIN)
+    without = measured - prandtl_ishlinskii(COMMANDS, measured, TRAIN)
+    assert np.sqrt(np.mean(error[~TRAIN] ** 2)) < 0.25
+    assert np.sqrt(np.mean(without[~TRAIN] ** 2)) > 2.0
+
+
 def test_own_play_knows_the_first_command_alone():
     measured = played(6.0, 3.0)
     alone = measured - own_play(COMMANDS, measured, TRAIN)
     assert np.std(alone[~TRAIN]) > 2.0
 
 
-@pytest.mark.parametrize("model", MODELS, ids=lambda m: m.name)
+@pytest.mark.parametrize("model", [*MODELS, *TIMED_MODELS], ids=lambda m: m.name)
 def test_held_out_rows_are_not_looked_at(model):
     few = slice(0, N, 6)
     commands, measured, train = COMMANDS[few], played(6.0, 3.0)[few], TRAIN[few]
