@@ -111,8 +111,8 @@ def estimates(fit: Fit, covariance: np.ndarray) -> list[tuple[Piece, tuple[Estim
                 scale = gain
                 variance = gain**2 * variance + value**2 * covariance[0, 0]
                 variance += 2.0 * gain * value * covariance[0, k]
-            if p.unit == "s":
-                variance += arrival_s(fit) ** 2
+            if p.unit == "s" and piece.term.site != "sensor":
+                variance += arrival_s(fit.ground.problem.around.dwell_s, float(value)) ** 2
             if p.moment:
                 low, high = moment_interval(fit, i, j)
                 low, high = min(low, float(value)), max(high, float(value))
@@ -126,12 +126,18 @@ def estimates(fit: Fit, covariance: np.ndarray) -> list[tuple[Piece, tuple[Estim
     return out
 
 
-def arrival_s(fit: Fit) -> float:
-    """How much of the time that a command took to arrive [s, RMS] a lag may count as its own.
+def arrival_s(dwell_s: float, late_s: float) -> float:
+    """How much of the time that a command took to arrive [s, RMS] a time constant may hold.
 
-    That is half of it; no recording tells how long it took: up to a fifth of a dwell, say.
+    No recording tells how long that was: up to a fifth of a dwell, say. Of a mean delay d before
+    each of its dwells D a lag T takes d T / D (1 - exp(-D / T)) as its own, to first order of d:
+    all of it where it outlasts many dwells, little where each dwell sees the whole motion. An old
+    frame is no arrival: it shows a pose, whenever that was asked for.
     """
-    return 0.5 * LONGEST_MOVE * fit.ground.problem.around.dwell_s / np.sqrt(3.0)
+    if dwell_s <= 0.0 or late_s <= 0.0:
+        return 0.0
+    taken = late_s / dwell_s * -np.expm1(-dwell_s / late_s)
+    return float(0.5 * LONGEST_MOVE * dwell_s / np.sqrt(3.0) * taken)
 
 
 def moment_interval(fit: Fit, place: int, parameter: int) -> tuple[float, float]:

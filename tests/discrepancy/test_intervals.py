@@ -1,0 +1,48 @@
+"""Intervals: what a command's own way takes of a lag."""
+
+import numpy as np
+import pytest
+from scipy.optimize import minimize_scalar
+
+from pipeline.discrepancy.intervals import LONGEST_MOVE, arrival_s, estimates
+from pipeline.physics.catalogue import term
+from pipeline.physics.mechanism import Piece
+from tests.discrepancy.test_fit import fitted, widened
+
+DWELL_S = 3.0
+
+
+def late(asked: np.ndarray, lag_s: float, move_s: float) -> np.ndarray:
+    """A first-order lag at the end of each dwell (n,), the command running for the first move_s."""
+    out, at, before = np.empty(len(asked)), asked[0], asked[0]
+    for k, u in enumerate(asked):
+        if move_s > 0.0:
+            speed = (u - before) / move_s
+            fade = np.exp(-move_s / lag_s)
+            at = u - speed * lag_s + (at - before + speed * lag_s) * fade
+        at = u - (u - at) * np.exp(-(DWELL_S - move_s) / lag_s)
+        out[k], before = at, u
+    return out
+
+
+@pytest.mark.parametrize("lag_s", [1.0, 3.0, 12.0])
+def test_a_lag_takes_the_longer_it_is_the_more_of_the_way_of_a_command(lag_s):
+    asked = 30.0 * np.sin(np.linspace(0.0, 20.0, 400))
+    seen = late(asked, lag_s, 0.05 * DWELL_S)
+    found = minimize_scalar(
+        lambda lag: np.sum((late(asked, lag, 0.0) - seen) ** 2),
+        bounds=(0.5 * lag_s, 2.0 * lag_s),
+        method="bounded",
+        options={"xatol": 1e-6},
+    ).x
+    longest = np.sqrt(3.0) * arrival_s(DWELL_S, lag_s)
+    assert (found - lag_s) * LONGEST_MOVE / 0.05 == pytest.approx(longest, rel=0.15)
+
+
+def test_an_old_frame_is_told_as_narrowly_as_it_is_known():
+    begun = (Piece(term("frame_lag"), np.array([2.0])),)
+    fit = fitted(3, {"frame_lag": {"lag": 2.0}}, begun)
+    covariance = widened(fit)
+    lag = estimates(fit, covariance)[0][1][0]
+    reach = 1.96 * np.sqrt(covariance[len(fit.nuisance), len(fit.nuisance)])
+    assert lag.high - lag.value == pytest.approx(reach)
