@@ -17,6 +17,7 @@ UNLIKELY = {
     "drift/wave": 6.0,
     "slack/behind": BEHIND,
     "slack/home behind": BEHIND,
+    "viscous_friction/sprung": BEHIND,
 }
 SIDED = ("contact", "end_stop")
 
@@ -47,7 +48,8 @@ def unlikely(term: Term) -> float:
     """How much less likely than others a term is in its form, in -2 log odds.
 
     A wave of any period and phase follows what jitters or repeats with the cycles as well. Slack
-    that is lost behind the curve has as many parameters as one before it: chance would decide.
+    that is lost behind the curve has as many parameters as one before it: chance would decide. A
+    damper behind a spring is two things.
     """
     whole = f"{term.name}/{term.form}"
     return UNLIKELY.get(term.name, 0.0) + UNLIKELY.get(whole, 0.0)

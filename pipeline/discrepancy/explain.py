@@ -27,6 +27,7 @@ from pipeline.discrepancy.outliers import alike, at_commands, isolated, returnin
 from pipeline.discrepancy.polish import polished
 from pipeline.discrepancy.problem import Problem
 from pipeline.discrepancy.screen import effects_of
+from pipeline.discrepancy.sprung import sprung
 from pipeline.discrepancy.thinning import sparser
 from pipeline.discrepancy.ties import RIVAL_GAP, by_names, names, plain, plainly
 from pipeline.physics.catalogue import force_terms, terms
@@ -110,7 +111,7 @@ def searched(problem: Problem) -> Explanation:
         used = problem.train & settled & ~found
         search = Search(candidates, effects, noise_family(prior, problem, used))
         choices = choose_again(search, ground_of(problem, prior.model, used), choices)
-    told = alone(search, polished(search, choices))
+    told = sprung(search, alone(search, polished(search, choices)))
     choices = levelled(search, searched_wide(search, choices, told))
     choices = best_of_each([*contested(search, choices), *search.seen.values()])
     if prior.repeats == 0 and problem.derivatives is None:

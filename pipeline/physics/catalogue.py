@@ -33,6 +33,7 @@ from pipeline.physics.viscous_friction import ViscousFriction
 
 BEND, BENDING = "bend", LensDistortion("second")
 SHEATH_FORCES = tuple(SheathForce(f) for f in ("near", "far", "near falling", "far falling"))
+SPRUNG = ViscousFriction("sprung")
 
 
 def terms(other_commands: Iterable[str] = ()) -> tuple[Term, ...]:
@@ -106,7 +107,7 @@ def term(name: str, form: str = "", other_commands: Iterable[str] = ()) -> Term:
     every = (*terms(other_commands), *force_terms())
     found = [t for first in every for t in (first, *richer(first))]
     found += [richest for t in found for richest in richer(t)]
-    found += SHEATH_FORCES
+    found += (*SHEATH_FORCES, SPRUNG)
     same = [t for t in found if t.name == name and form in ("", t.form)]
     if same:
         return next((t for t in same if t.form == form), same[0])

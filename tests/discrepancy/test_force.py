@@ -90,6 +90,43 @@ def test_friction_that_differs_by_direction_is_named_and_measured(damper):
     assert "viscous_friction" not in diagnosis.not_excited
 
 
+def relaxed(x, arm, relaxation_s):
+    """The force of a spring `arm` [N/m] that a dashpot lets go of, stepped finely."""
+    out, gone = np.zeros(len(x)), x[0]
+    for k in range(1, len(x)):
+        for part in (np.arange(20) + 0.5) / 20:
+            way = x[k - 1] + part * (x[k] - x[k - 1])
+            gone += (way - gone) / relaxation_s / RATE / 20
+        out[k] = arm * (x[k] - gone)
+    return out
+
+
+def test_a_damper_behind_a_spring_is_no_dry_friction():
+    t, x, rng = motion(4)
+    force = 2000.0 * x + relaxed(x, 1500.0, 0.06) + rng.normal(0.0, 0.3, len(t))
+    (diagnosis,) = diagnose(DiagnosisConfig(), seen_in_steps(x, force)).diagnoses
+    assert {p.name for p in diagnosis.physics} == {"stiffness", "viscous_friction"}
+    assert diagnosis.verdict == "explained"
+    found = parameters(diagnosis)
+    assert found["stiffness.stiffness"].value == pytest.approx(2000.0, rel=0.02)
+    assert found["viscous_friction.relaxation"].value == pytest.approx(0.06, rel=0.1)
+    assert found["viscous_friction.damping"].value == pytest.approx(90.0, rel=0.1)
+    assert diagnosis.after.heldout_rmse < 0.33
+    (said,) = [p.says for p in diagnosis.physics if p.name == "viscous_friction"]
+    assert "behind a spring" in said
+
+
+def test_at_one_speed_a_bristle_and_a_damper_behind_a_spring_are_each_others_alternative():
+    rng = np.random.default_rng(3)
+    t = np.arange(2000) / RATE
+    x = 0.02 * np.arcsin(np.sin(np.pi * t)) * 2.0 / np.pi
+    force = relaxed(x, 1500.0, 0.2) + rng.normal(0.0, 0.3, len(t))
+    (diagnosis,) = diagnose(DiagnosisConfig(), seen_in_steps(x, force)).diagnoses
+    (only,) = diagnosis.physics
+    assert {only.name, *only.alternatives} == {"coulomb_friction", "viscous_friction"}
+    assert diagnosis.verdict == "ambiguous"
+
+
 @pytest.mark.parametrize("asymmetry", [0.0, 0.5])
 def test_both_directions_are_told_where_the_zero_is_trusted(asymmetry):
     t, x, rng = motion(2)

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pipeline.physics.catalogue import force_terms, richer, term
+from pipeline.physics.catalogue import SPRUNG, force_terms, richer, term
 from pipeline.physics.differentiation import differentiate
 from pipeline.physics.mechanism import Mechanism, Piece
 from pipeline.physics.motion import Kinetics, Motion
@@ -16,6 +16,7 @@ AROUND = Surroundings(
     end_s=4.0, cycles=4, drive_unit="m", angle_unit="N", top_speed=0.6, top_acceleration=4.0,
 )  # fmt: skip
 OWN = [t for first in force_terms() for t in (first, *richer(first)) if t.site == "body" and t.adds]
+OWN.append(SPRUNG)
 
 
 def swing(amplitude=0.1, seconds=4.0):
@@ -44,6 +45,16 @@ def test_forces_are_what_their_equations_say():
     np.testing.assert_allclose(
         answer("viscous_friction", "asymmetric", [3.0, 0.2], m), both * v, atol=1e-12
     )
+
+
+@pytest.mark.parametrize("relaxation_s", [0.003, 0.2])
+def test_a_damper_behind_a_spring_follows_a_sine_as_maxwell_says(relaxation_s):
+    m = swing()
+    force = answer("viscous_friction", "sprung", [3.0, relaxation_s], m)
+    w = 2.0 * np.pi
+    lag = np.arctan(w * relaxation_s)
+    expected = 0.3 * w * np.cos(lag) * np.cos(w * m.time_s - lag)
+    np.testing.assert_allclose(force[2000:], expected[2000:], atol=5e-3 * 0.3 * w)
 
 
 def test_dry_friction_slides_at_its_force_and_turns_round_within_its_reach():
