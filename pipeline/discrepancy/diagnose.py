@@ -30,6 +30,7 @@ from pipeline.discrepancy.result import (
     Unexplained,
 )
 from pipeline.discrepancy.rivals import hypotheses_of, mechanism_of
+from pipeline.discrepancy.start import end_of
 from pipeline.discrepancy.structure import Structure, share_left, structure_of
 from pipeline.discrepancy.thinning import thinned
 from pipeline.discrepancy.ties import undisguised
@@ -62,6 +63,7 @@ def diagnose_measurement(
     model = replace(model, rivals=rivals)
     if not (structure.found or accurate):
         model = going_on(model, problem, explanation, best)
+    model = replace(model, end=end_of(problem.motion, model.later or model.mechanism))
     evidence = evidence_of(recording, measurement, problem, explanation, model, hypotheses)
     physics = () if accurate else named_physics(explanation, best, evidence, structure, covariance)
     noise = reported_noise(explanation, best, structure, model)

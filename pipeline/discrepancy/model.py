@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from pipeline.discrepancy.noise import NoiseModel
+from pipeline.discrepancy.start import End, end_from_json, variance_of_start
 from pipeline.discrepancy.zero import WalkedZero
 from pipeline.errors import LoopgapError, refusal
 from pipeline.physics.catalogue import term
@@ -52,7 +53,7 @@ class CorrectedModel:
     motion it is recorded. rivals: the other explanations. later: what answers once the recording's
     `lasted_s` are over, held-out rows having been fitted too; zero: where it stood then. counted:
     the step of the encoder that counted the drive, 0.0 of another. rough: the noise of a drive that
-    was measured, 0.0 of another.
+    was measured, 0.0 of another. end: where the recording ended, and as what it left the mechanism.
     """
 
     measurement: str
@@ -72,32 +73,44 @@ class CorrectedModel:
     lasted_s: float = np.inf
     counted: float = 0.0
     rough: float = 0.0
+    end: End | None = None
 
     def predict(self, motion: Motion) -> tuple[np.ndarray, np.ndarray]:
         """Expected measurement and its standard deviation, each (n,), from the motion alone.
 
         The deviation holds the noise, the walk since the first sample, what the parameters leave
-        open and how far the rivals, by their probabilities, expect something else; the motion is
-        taken to begin where the model's recording began. After that recording's end, all its rows
-        have been learnt from, and a zero that walks goes on from where it stood then.
+        open and how far the rivals, by their probabilities, expect something else. A motion that
+        begins as one more row of the model's recording goes on from its end; one that begins at
+        another command than that recording did may have come there on any way. After that
+        recording's end, all its rows have been learnt from, and a zero that walks goes on from
+        where it stood then.
         """
-        expected = self.mechanism.respond(motion)[0]
-        slopes = np.column_stack(self._slopes(motion, expected))
+        goes_on = self.end is not None and self.end.goes_on(motion)
+        fresh = self.mechanism.respond(motion)[0]
+        slopes = np.column_stack(self._slopes(motion, fresh))
         open_variance = np.maximum(np.einsum("ij,jk,ik->i", slopes, self.covariance, slopes), 0.0)
         noise = self.noise.deviation**2 + self.noise.jitter**2
-        walked = self.noise.walk**2 * np.arange(len(expected))
-        zero = np.zeros(len(expected))
+        walked = self.noise.walk**2 * np.arange(len(fresh))
+        zero = np.zeros(len(fresh))
         if self.zero is not None:
-            later = self.zero.later(motion)
+            later: np.ndarray = self.zero.later(motion) | goes_on
             since = self.zero.deviation**2 + self.noise.walk**2 * np.cumsum(later)
             zero, walked = self.zero.level * later, np.where(later, since, walked)
-        apart = np.zeros(len(expected))
+        variance = noise + walked + open_variance
         for rival in self.rivals:
-            apart += rival.probability * (rival.respond(motion) - expected - zero) ** 2
+            told = fresh if goes_on else fresh + zero
+            variance += rival.probability * (rival.respond(motion) - told) ** 2
+        if self.end is not None and not (goes_on or self.end.begins_alike(motion)):
+            variance += variance_of_start(self.mechanism, motion, fresh)
+        return self._expected(motion, fresh) + zero, np.sqrt(variance)
+
+    def _expected(self, motion: Motion, fresh: np.ndarray) -> np.ndarray:
+        """What is expected without the zero; `fresh` (n,) of a motion on which nothing is known."""
+        own = self.later or self.mechanism
+        if self.end is not None and self.end.goes_on(motion):
+            return self.end.answer(own, motion)
         after = motion.time_s - motion.time_s[0] > self.lasted_s
-        if self.later is not None and after.any():
-            expected = np.where(after, self.later.respond(motion)[0], expected)
-        return expected + zero, np.sqrt(noise + walked + open_variance + apart)
+        return np.where(after, own.respond(motion)[0], fresh) if after.any() else fresh
 
     def _slopes(self, motion: Motion, expected: np.ndarray) -> list[np.ndarray]:
         """Change of the prediction for a unit of each parameter, by differences."""
@@ -165,6 +178,7 @@ def as_json(model: CorrectedModel) -> dict[str, Any]:
         "lasted_s": model.lasted_s if np.isfinite(model.lasted_s) else None,
         "counted": model.counted,
         "rough": model.rough,
+        "end": None if model.end is None else model.end.as_json(),
         "noise": asdict(model.noise),
         "covariance": model.covariance.tolist(),
         "rivals": [
@@ -217,6 +231,7 @@ def from_json(entry: Mapping[str, Any], others: list[str]) -> CorrectedModel:
             None if entry.get("later") is None else _refitted(entry["later"], curve, others),
             np.inf if entry.get("lasted_s") is None else entry["lasted_s"],
             entry.get("counted", 0.0), entry.get("rough", 0.0),
+            None if entry.get("end") is None else end_from_json(entry["end"]),
         )  # fmt: skip
     except (KeyError, TypeError, ValueError) as problem:
         raise ModelError(

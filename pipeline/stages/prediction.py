@@ -19,10 +19,10 @@ def predict(
 ) -> pd.DataFrame:
     """`time_s`, and of each measurement `<name>_predicted` and `<name>_std`, row by row.
 
-    The motion begins with the recording's first row; measurements are not looked at. A model that
-    corrects a simulation's trace needs that channel in the recording. cutoff_hz: see
-    `differentiate`, where a force is predicted. Raises ModelError where a channel that a model
-    needs is missing.
+    The motion begins with the recording's first row, or goes on where the model's recording ended
+    (see `CorrectedModel.predict`); measurements are not looked at. A model that corrects a
+    simulation's trace needs that channel in the recording. cutoff_hz: see `differentiate`, where a
+    force is predicted. Raises ModelError where a channel that a model needs is missing.
     """
     out = pd.DataFrame({"time_s": recording.values("time_s")})
     for model in models:

@@ -41,6 +41,36 @@ def test_the_deviation_covers_new_measurements(model):
     assert 0.9 < inside < 0.99
 
 
+def of_rows(recording, first, later_s=0.0):
+    samples = recording.samples[first:].reset_index(drop=True)
+    return replace(recording, samples=samples.assign(time_s=samples["time_s"] + later_s))
+
+
+def test_a_recording_that_goes_on_is_foretold_as_part_of_the_whole(model):
+    longer = recorded(HIDDEN, seed=1, cycles=10, noise=0.0)
+    rows = int(np.sum(longer.values("cycle") < 6))
+    whole = predict([model], longer)[rows:].reset_index(drop=True)
+    again = from_json(json.loads(json.dumps(as_json(model))), [])
+    alone = predict([again], of_rows(longer, rows))
+    np.testing.assert_allclose(alone["pitch_angle_deg_predicted"],
+                               whole["pitch_angle_deg_predicted"], atol=1e-9)  # fmt: skip
+
+
+def test_nobody_knows_how_a_motion_came_where_it_begins_elsewhere(model):
+    longer = recorded(HIDDEN, seed=1, cycles=10, noise=0.0)
+    rows = int(np.sum(longer.values("cycle") < 6)) + 25
+    later = of_rows(longer, rows, 1e5)
+    table = predict([replace(model, rivals=())], later)
+    off = table["pitch_angle_deg_predicted"] - later.values("pitch_angle_deg")
+    off -= off[len(off) // 2 :].mean()  # a drift goes on from nobody knows where
+    deviation = table["pitch_angle_deg_std"]
+    early = np.abs(off) > 5.0 * NOISE
+    assert early.any()
+    assert not early[60:].any()
+    assert (np.abs(off) < 2.5 * deviation)[early].all()
+    assert deviation[60:].max() < 2.0 * NOISE < deviation[0]
+
+
 @pytest.fixture(scope="module")
 def doubted(model):
     """The model with a rival of a quarter's probability that drifts by 6 deg an hour more."""

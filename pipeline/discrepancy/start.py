@@ -1,0 +1,103 @@
+"""How a motion begins: where the recording of a model ended, as it began, or nobody knows how."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from pipeline.physics.mechanism import Mechanism, State
+from pipeline.physics.motion import Kinetics, Motion
+
+OF_THE_CLOCK = ("drift",)
+
+
+@dataclass(frozen=True)
+class End:
+    """Both ends of a recording and what its mechanism remembers after it.
+
+    first, last: drive; time_s, cycle: of the last row. longest_s, farthest: the most time and way
+    between two rows.
+    """
+
+    first: float
+    last: float
+    time_s: float
+    cycle: int
+    longest_s: float
+    farthest: float
+    state: State
+
+    def goes_on(self, motion: Motion) -> bool:
+        """Whether a motion begins where the recording ended, as one more row of it would."""
+        past_s = float(motion.time_s[0]) - self.time_s
+        near = abs(float(motion.drive[0]) - self.last) <= 2.0 * self.farthest
+        return 0.0 < past_s <= 2.0 * self.longest_s and near
+
+    def begins_alike(self, motion: Motion) -> bool:
+        """Whether a motion begins at the command at which the recording did."""
+        return abs(float(motion.drive[0]) - self.first) <= self.farthest
+
+    def answer(self, mechanism: Mechanism, motion: Motion) -> np.ndarray:
+        """What a mechanism says, (n,), of a motion that goes on."""
+        cycle = motion.cycle - motion.cycle[0] + self.cycle
+        return mechanism.respond(replace(motion, cycle=cycle), self.state)[0]
+
+    def as_json(self) -> dict[str, Any]:
+        """The same as plain JSON."""
+        state = {name: np.asarray(own).tolist() for name, own in self.state.items()}
+        return {**self.__dict__, "state": state}
+
+
+def end_of(motion: Motion, mechanism: Mechanism) -> End:
+    """The end of a recording whose mechanism followed its motion."""
+    return End(
+        first=float(motion.drive[0]),
+        last=float(motion.drive[-1]),
+        time_s=float(motion.time_s[-1]),
+        cycle=int(motion.cycle[-1]),
+        longest_s=float(np.max(np.diff(motion.time_s))),
+        farthest=float(np.max(np.abs(np.diff(motion.drive)))),
+        state=mechanism.respond(motion)[1],
+    )
+
+
+def end_from_json(entry: Mapping[str, Any]) -> End:
+    """What `End.as_json` wrote."""
+    state = {k: np.array(v, dtype=float) for k, v in entry["state"].items()}
+    return End(**{**entry, "state": state})
+
+
+def variance_of_start(mechanism: Mechanism, motion: Motion, expected: np.ndarray) -> np.ndarray:
+    """How far answers (n,) may be off for want of what was before a motion, squared.
+
+    Play and friction hang on the way that led to the first row: it is taken from either end of the
+    motion's range, at its usual speed.
+    """
+    ends = (float(motion.drive.min()), float(motion.drive.max()))
+    found = [mechanism.respond(motion, _led(mechanism, motion, end))[0] for end in ends]
+    return np.asarray(0.5 * sum((answer - expected) ** 2 for answer in found))
+
+
+def _led(mechanism: Mechanism, motion: Motion, begin: float) -> State:
+    """What a mechanism remembers that a straight way from `begin` led to a motion's first row."""
+    to, step = float(motion.drive[0]), float(np.mean(np.abs(np.diff(motion.drive))))
+    rows = int(np.clip(np.ceil(abs(to - begin) / max(step, 1e-300)), 1, len(motion)))
+    dwell_s = float(np.median(np.diff(motion.time_s)))
+    still = np.ones(rows)
+    before = Motion(
+        drive=np.linspace(begin, to, rows + 1)[:-1],
+        time_s=motion.time_s[0] + dwell_s * np.arange(-rows, 0),
+        cycle=np.full(rows, motion.cycle[0]),
+        others={name: values[0] * still for name, values in motion.others.items()},
+        radian=motion.radian,
+        kinetics=_steady(motion.kinetics, (to - begin) / rows / dwell_s, still),
+    )
+    after = mechanism.respond(before)[1]
+    return {name: own for name, own in after.items() if name not in OF_THE_CLOCK}
+
+
+def _steady(kinetics: Kinetics | None, speed: float, still: np.ndarray) -> Kinetics | None:
+    if kinetics is None:
+        return None
+    return Kinetics(speed * still, 0.0 * still, kinetics.simulated[0] * still)
