@@ -44,7 +44,7 @@ def stale_samples(measured: np.ndarray, simulated: np.ndarray) -> StaleSamples:
     count, share = int(np.sum(same & moving)), float(np.mean(same[moving])) if moving.any() else 0.0
     if count < FEWEST or not FEWEST_SHARE < share < 1.0:
         return none
-    near = np.abs(change) < 1.5 * quantum_of(measured)
+    near = np.abs(change) < 1.5 * quantum_of(levels_of(measured))
     by_one = int(np.sum(near & ~same & moving))
     if count < BY_CHANCE * by_one or by_one > MOSTLY * np.sum(~same & moving):
         return none
@@ -57,6 +57,12 @@ def stale_samples(measured: np.ndarray, simulated: np.ndarray) -> StaleSamples:
     rows[known[1:][same]] = True
     rhythm = np.diff(np.flatnonzero(~same)) if new.mean() < ALONE else new
     return StaleSamples(rows, bool(np.std(rhythm) < EVEN * np.mean(rhythm)), nothing)
+
+
+def levels_of(measured: np.ndarray) -> np.ndarray:
+    """The values that come more than once: a few outliers stand on no converter's level."""
+    values, counts = np.unique(measured[np.isfinite(measured)], return_counts=True)
+    return np.asarray(values[counts > 1])
 
 
 def hung_samples(measured: np.ndarray, moving: np.ndarray) -> np.ndarray:

@@ -94,6 +94,9 @@ def test_samples_that_are_said_again_are_told_from_levels_and_from_play() -> Non
     assert np.mean(np.diff(play) == 0.0) > 0.1
     assert not stale_samples(play, MOVED).rows.any()
     assert not stale_samples(counted(measured), MOVED).rows.any()
+    mistaken = counted(measured)
+    mistaken[[500, 1200, 2100, 2800]] += (3.1, 5.73, 4.4, 7.27)
+    assert not stale_samples(mistaken, MOVED).rows.any()
     slow = 20.0 * COUNT * np.sin(2.0 * np.pi * TIME_S / TIME_S[-1])
     assert not stale_samples(counted(slow), slow).rows.any()
 
