@@ -7,6 +7,7 @@ from pipeline.discrepancy.moments import moments, moments_of, moved
 from pipeline.discrepancy.noise_family import NoiseFamily, Place
 from pipeline.discrepancy.result import Estimate
 from pipeline.physics.mechanism import Piece
+from pipeline.physics.term import Parameter
 from pipeline.recording import branch_of
 
 DEVIATIONS = 1.96
@@ -93,24 +94,30 @@ def repeated_misfit(fit: Fit) -> np.ndarray:
 
 def stated(fit: Fit, piece: Piece) -> np.ndarray:
     """A term's parameters as they are told: what is seen in the measurement, in its own unit."""
-    gains = [fit.nuisance[0] if p.measured else 1.0 for p in parameters_of(fit.ground, piece.term)]
-    return np.asarray(piece.values * gains)
+    scales = [told_per(fit, p) for p in parameters_of(fit.ground, piece.term)]
+    return np.asarray(piece.values * scales)
+
+
+def told_per(fit: Fit, parameter: Parameter) -> float:
+    """What is told of a parameter over its value: see `Parameter`."""
+    around = fit.ground.problem.around
+    if parameter.at_drive:
+        return around.angle_span / max(around.drive_span, 1e-300)
+    return float(fit.nuisance[0]) if parameter.measured else 1.0
 
 
 def estimates(fit: Fit, covariance: np.ndarray) -> list[tuple[Piece, tuple[Estimate, ...]]]:
     """Every term's parameters as they are told, with 95 % intervals within their bounds."""
-    gain = float(fit.nuisance[0])
     out = []
     k = len(fit.nuisance)
     for i, piece in enumerate(fit.pieces):
         own = []
         parameters = parameters_of(fit.ground, piece.term)
         for j, (p, value) in enumerate(zip(parameters, piece.values, strict=True)):
-            variance, scale = covariance[k, k], 1.0
+            scale = told_per(fit, p)
+            variance = scale**2 * covariance[k, k]
             if p.measured:
-                scale = gain
-                variance = gain**2 * variance + value**2 * covariance[0, 0]
-                variance += 2.0 * gain * value * covariance[0, k]
+                variance += value**2 * covariance[0, 0] + 2.0 * scale * value * covariance[0, k]
             if p.unit == "s" and piece.term.site != "sensor":
                 variance += arrival_s(fit.ground.problem.around.dwell_s, float(value)) ** 2
             if p.moment:

@@ -23,7 +23,8 @@ class Friction(Term):
     Form "wrapped" resists with 1 + growth |theta| times as much: a wire that lies round what it
     bends rubs the more the further that is bent (first term of the capstan's power series).
     Form "driven" is a bristle that the drive bends, x = u - width / 2 z(u), as models of tendons in
-    sheaths have it, over no shorter a reach than keeps the joint from moving against the drive.
+    sheaths have it, over no shorter a reach than keeps the joint from moving against the drive; it
+    is told by what it holds back at the joint, like the others.
     Sources: Euler (1769); Iwan (1966); Al-Bender and Swevers, IEEE Control Systems 28(6) (2008) 64.
     """
 
@@ -44,12 +45,11 @@ class Friction(Term):
         self.in_balance = not self.before_curve
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
-        span, unit = around.angle_span, around.angle_unit
-        if self.before_curve:
-            span, unit = around.drive_span, around.drive_unit
+        unit, driven = around.angle_unit, self.before_curve
+        span = around.drive_span if driven else around.angle_span
         own = (
-            Parameter("width", unit, 0.0, 0.9 * span, 0.05 * span, 0.05 * span),
-            Parameter("reach", unit, 1e-3 * span, 1.0 * span, 0.05 * span, 0.05 * span),
+            Parameter("width", unit, 0.0, 0.9 * span, 0.05 * span, 0.05 * span, at_drive=driven),
+            Parameter("reach", unit, 1e-3 * span, span, 0.05 * span, 0.05 * span, at_drive=driven),
             Parameter("release", "", 0.0, 1.0, 0.8, 0.0)
             if "bristle" in self.form or self.before_curve
             else Parameter("spread", "", 0.0, WIDEST, 0.7, 0.3),

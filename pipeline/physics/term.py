@@ -25,7 +25,8 @@ class Parameter:
     and samples are tried; any other edge needs a width. weak: data say little of it, so that it is
     held near its start and no choice charges for it. relative: it may lie anywhere over decades, so
     that its slope is taken over a share of its value. measured: it is a size in the measurement
-    itself, and is told with the calibration's gain in it.
+    itself, and is told with the calibration's gain in it. at_drive: it is a size of the drive, and
+    is told, in `unit`, as what a joint of the curve's mean slope makes of it.
     """
 
     name: str
@@ -38,6 +39,7 @@ class Parameter:
     weak: bool = False
     relative: bool = False
     measured: bool = False
+    at_drive: bool = False
 
 
 @dataclass(frozen=True)

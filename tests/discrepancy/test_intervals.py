@@ -1,10 +1,10 @@
-"""Intervals: what a command's own way takes of a lag."""
+"""Intervals: what a command's own way takes of a lag, and where a size is told."""
 
 import numpy as np
 import pytest
 from scipy.optimize import minimize_scalar
 
-from pipeline.discrepancy.intervals import LONGEST_MOVE, arrival_s, estimates
+from pipeline.discrepancy.intervals import LONGEST_MOVE, arrival_s, estimates, stated
 from pipeline.physics.catalogue import term
 from pipeline.physics.mechanism import Piece
 from tests.discrepancy.test_fit import fitted, widened
@@ -46,3 +46,17 @@ def test_an_old_frame_is_told_as_narrowly_as_it_is_known():
     lag = estimates(fit, covariance)[0][1][0]
     reach = 1.96 * np.sqrt(covariance[len(fit.nuisance), len(fit.nuisance)])
     assert lag.high - lag.value == pytest.approx(reach)
+
+
+def test_a_friction_that_the_drive_bends_is_told_at_the_joint():
+    driven = term("friction", "driven")
+    fit = fitted(3, {"friction/driven": {"width": 6.0, "reach": 4.0, "release": 1.0}},
+                 (Piece(driven, np.array([5.0, 4.0, 1.0])),))  # fmt: skip
+    around = fit.ground.problem.around
+    slope = around.angle_span / around.drive_span
+    assert slope != pytest.approx(1.0, abs=0.1)
+    width, reach = estimates(fit, widened(fit))[0][1][:2]
+    assert width.value == pytest.approx(6.0 * slope, rel=0.03)
+    assert width.low < width.value < width.high < 6.0 * slope * 1.1
+    assert stated(fit, fit.pieces[0])[:2] == pytest.approx([width.value, reach.value])
+    assert {width.unit, reach.unit} == {around.angle_unit}
