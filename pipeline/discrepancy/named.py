@@ -9,6 +9,7 @@ from pipeline.discrepancy.by_direction import by_direction, said_of_ways
 from pipeline.discrepancy.choose import Choice
 from pipeline.discrepancy.cycle_zero import zero_of_each_cycle
 from pipeline.discrepancy.explain import Explanation
+from pipeline.discrepancy.first_slip import is_start
 from pipeline.discrepancy.fit import evaluate, improve
 from pipeline.discrepancy.intervals import estimates, stated
 from pipeline.discrepancy.mistaken import mistaken_frames, stale_now_and_then
@@ -55,11 +56,16 @@ def of_terms(
     structure: Structure,
     covariance: np.ndarray,
 ) -> Iterator[NamedPhysics]:
-    """What each piece of the best choice is: half as probable where a rest is left unexplained."""
+    """What each piece of the best choice is: half as probable where a rest is left unexplained.
+
+    Not how a wire lay at the start.
+    """
     problem, fit = explanation.problem, best.fit
     mopping = structure.found and problem.motion.kinetics is None
     for piece, own in estimates(fit, covariance):
         name = piece.term.name
+        if is_start(fit, piece):
+            continue
         stands = standing(name, best, explanation.choices, problem)
         if isinstance(piece.term, Coupling) and fit.names.count(name) > 1:
             own = tuple(replace(e, name=f"{e.name} of {piece.term.channel}") for e in own)

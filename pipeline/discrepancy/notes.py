@@ -6,6 +6,7 @@ from pipeline.discrepancy.accuracy import hidden
 from pipeline.discrepancy.calibration import FAR_OFF
 from pipeline.discrepancy.choose import Choice
 from pipeline.discrepancy.explain import Explanation
+from pipeline.discrepancy.first_slip import start_note
 from pipeline.discrepancy.fitted import LOOSE_GAIN
 from pipeline.discrepancy.inputs import input_shares, said_shares
 from pipeline.discrepancy.problem import Problem
@@ -30,6 +31,7 @@ def notes(
             "`diagnosis.tolerance`."
         )
     out += free_gain_note(problem, best)
+    out += start_note(best.fit)
     out += doubled_note(evidence.recording)
     out += sample_notes(problem)
     if problem.counted:
