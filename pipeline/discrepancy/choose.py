@@ -152,9 +152,8 @@ def choose(search: Search, ground: Ground) -> list[Choice]:
     for depth in range(MOST_TERMS):
         before = min(c.score for c in found.values())
         level: dict[Key, Choice] = {}
-        own = plainest(search) if depth else search
         for parent in beam:
-            for child in extended(own, parent, skip=level):
+            for child in extended(search, parent, skip=level):
                 level[child.fit.key] = child
         if not level:
             break
@@ -169,17 +168,6 @@ def choose(search: Search, ground: Ground) -> list[Choice]:
     richest = grown(search, best)
     found[richest.fit.key] = richest
     return sorted(found.values(), key=lambda c: c.score)
-
-
-def plainest(search: Search) -> Search:
-    """The search without forms in the balance, of no group, that are richer forms of others.
-
-    Beside other terms they take the place of what is yet to come; a polish may swap them in.
-    """
-    single = [t for t in search.terms if t.in_balance and not t.group]
-    grown = {(r.name, r.form) for t in single for r in richer(t)}
-    own = tuple(t for t in search.terms if (t.name, t.form) not in grown)
-    return replace(search, terms=own)
 
 
 def choose_again(search: Search, ground: Ground, earlier: Sequence[Choice]) -> list[Choice]:

@@ -35,6 +35,18 @@ def test_a_search_is_no_worse_than_a_fit_that_begins_at_the_truth(key, parameter
     assert best.score < found.search.weighed(fit, best.place).score + WITHIN
 
 
+def test_slack_off_the_middle_is_found_beside_what_was_found_first():
+    hidden = {
+        "end_stop/lower": {"angle": -30.0},
+        "camera_tilt/": {"tilt": 0.44, "direction": -0.22},
+        "slack/": {"width": 1.3, "centre": 3.0, "rounding": 0.05},
+    }
+    best = explained(recorded(hidden, noise=0.15)).choices[0]
+    slack = next(p for p in best.fit.pieces if p.term.name == "slack")
+    assert set(best.fit.names) == {"end_stop", "camera_tilt", "slack"}
+    np.testing.assert_allclose(slack.values[:2], [1.3, 3.0], atol=0.3)
+
+
 def test_what_correlated_noise_took_over_of_two_slips_is_theirs():
     slips = {"jump": 1.64, "time": 313.46, "jump_2": 1.97, "time_2": 1499.93}
     best = explained(recorded({"lost_steps/twice": slips}, noise=0.15, seed=39)).choices[0]
