@@ -19,13 +19,14 @@ from pipeline.discrepancy.choose import (
     extended,
 )
 from pipeline.discrepancy.contested import contested, levelled
-from pipeline.discrepancy.fit import ITERATIONS, evaluate, ground_of, improve
+from pipeline.discrepancy.fit import ITERATIONS, Fit, evaluate, ground_of, improve
 from pipeline.discrepancy.foretold import foretelling
 from pipeline.discrepancy.noise_family import JUDGED, noise_family
 from pipeline.discrepancy.noise_learning import NoisePrior, learn_noise
 from pipeline.discrepancy.outliers import alike, at_commands, isolated, returning
 from pipeline.discrepancy.polish import polished
 from pipeline.discrepancy.problem import Problem
+from pipeline.discrepancy.reform import reformed
 from pipeline.discrepancy.screen import effects_of
 from pipeline.discrepancy.sprung import sprung
 from pipeline.discrepancy.thinning import sparser
@@ -71,16 +72,22 @@ def explain(problem: Problem) -> Explanation:
 def fitted_with_all(problem: Problem, found: Explanation) -> Explanation:
     """What was found with fewer samples behind the same rows, with all of them.
 
-    Choices that come near the best are fitted and weighed anew.
+    Choices that come near the best are fitted and weighed anew; the others stay as far behind.
     """
     ground = ground_of(problem, found.prior.model, found.used)
-    least, choices = found.choices[0].score + RIVAL_GAP, []
-    for choice in found.choices:
-        own = ground.with_noise(choice.fit.ground.noise)
-        fit = evaluate(own, choice.fit.pieces)
-        near = choice.score < least or not choice.fit.pieces
-        again = found.search.weighed(improve(fit), choice.place) if near else choice
-        choices.append(again if near else replace(choice, fit=fit))
+    best = found.choices[0].score
+    near = [c.score < best + RIVAL_GAP or not c.fit.pieces for c in found.choices]
+    fits = [evaluate(ground.with_noise(c.fit.ground.noise), c.fit.pieces) for c in found.choices]
+    again = {
+        k: found.search.weighed(improve(fit), found.choices[k].place)
+        for k, fit in enumerate(fits)
+        if near[k]
+    }
+    moved = again[0].score - best
+    choices = [
+        again.get(k, replace(choice, fit=fits[k], score=choice.score + moved))
+        for k, choice in enumerate(found.choices)
+    ]
     choices.sort(key=lambda c: c.score)
     return replace(found, problem=problem, choices=choices)
 
@@ -193,15 +200,24 @@ def with_plain(search: Search, choices: list[Choice]) -> list[Choice]:
     wanted = plain(best)
     if any(names(c) == wanted and c.score < best.score + LEAST_GAIN for c in choices):
         return choices
-    pieces = best.fit.pieces
-    kept = [p for p, name in zip(pieces, plainly(best.fit), strict=True) if p.term.name == name]
-    choice = search.weighed(improve(evaluate(best.fit.ground, kept)), best.place)
-    for name in sorted(wanted - names(choice)):
-        alone = replace(search, terms=tuple(t for t in search.terms if t.name == name))
-        found = extended(alone, choice)
-        choice = min(found, key=lambda c: c.score, default=choice)
+    choice = search.weighed(plain_fit(search, best.fit), best.place)
     near = names(choice) == wanted and choice.score < best.score + RIVAL_GAP
     return [*choices, choice] if near else choices
+
+
+def plain_fit(search: Search, fit: Fit) -> Fit:
+    """A fit with each piece that is another one in disguise as that other, begun from its sizes."""
+    shown, spare = plainly(fit), []
+    for k, name in enumerate(shown):
+        if name == fit.pieces[k].term.name:
+            continue
+        forms = [t for t in search.terms if t.name == name]
+        if forms and shown.count(name) == 1:
+            fit = min((reformed(fit, k, form) for form in forms), key=lambda f: f.cost)
+        else:
+            spare.append(k)
+    kept = [p for k, p in enumerate(fit.pieces) if k not in spare]
+    return improve(evaluate(fit.ground, kept)) if spare else fit
 
 
 def mistaken_rows(problem: Problem, choice: Choice, prior: NoisePrior) -> np.ndarray:

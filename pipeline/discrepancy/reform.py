@@ -13,10 +13,11 @@ MOST, BEGUN = 10, 3
 
 
 def reformed(fit: Fit, place: int, term: Term) -> Fit:
-    """The fit with another form of a term, begun from the values that both have.
+    """The fit with another form of a term, or another term, begun from the values that both have.
 
-    Where starts lie far apart, each is judged after a few steps: one that is near the truth may
-    begin farther from the data than one that is not.
+    Where neither has all of the other's, it begins anew. Where starts lie far apart, each is judged
+    after a few steps: one that is near the truth may begin farther from the data than one that is
+    not.
     """
     old = fit.pieces[place]
     had = [p.name for p in parameters_of(fit.ground, old.term)]
@@ -24,9 +25,11 @@ def reformed(fit: Fit, place: int, term: Term) -> Fit:
     problem = fit.ground.problem
     starts = term.candidates(problem.motion, problem.around)
     same_place = term.before_curve == old.term.before_curve
-    if same_place and set(had) <= set(names):
+    if same_place and (set(had) <= set(names) or set(names) <= set(had)):
         kept = starts.copy()
-        kept[:, [names.index(name) for name in had]] = old.values
+        for value, name in zip(old.values, had, strict=True):
+            if name in names:
+                kept[:, names.index(name)] = value
         told = _within(fit.ground.box(term), term.retold(np.unique(kept, axis=0)))
         fresh = starts if term.own_law else starts[:0]
         starts = np.vstack([told, fresh]) if len(told) else kept

@@ -7,7 +7,13 @@ import pytest
 
 from pipeline.discrepancy.choose import choose
 from pipeline.discrepancy.contested import contested, levelled, rival_names
-from pipeline.discrepancy.explain import refuted, searched_wide, with_plain
+from pipeline.discrepancy.explain import (
+    fitted_with_all,
+    plain_fit,
+    refuted,
+    searched_wide,
+    with_plain,
+)
 from pipeline.discrepancy.fit import evaluate, improve
 from pipeline.discrepancy.moves import loosened, stopped, tautened
 from pipeline.discrepancy.outliers import at_commands, returning
@@ -93,6 +99,35 @@ def test_what_a_choice_is_in_disguise_is_fitted_anew_where_a_search_fitted_it_ba
     bad = replace(found.choices[0], score=growing.score + 10.0)
     assert undisguised([growing, bad]) is bad
     assert undisguised(with_plain(search, [growing, bad])).score < growing.score
+
+
+def test_a_play_that_does_not_grow_is_backlash_as_wide_beside_what_else_was_fitted():
+    hidden = {"backlash": {"width": 30.0}, "slack": {"width": 6.0, "stiffness": 0.1}}
+    found = explained(recorded(hidden, seed=12))
+    best = found.choices[0]
+    assert set(best.fit.names) == set(hidden)
+    pieces = [
+        Piece(term("tension_loss"), np.array([0.0, *p.values])) if p.term.name == "backlash" else p
+        for p in best.fit.pieces
+    ]
+    again = plain_fit(found.search, evaluate(best.fit.ground, pieces))
+    assert again.names == best.fit.names
+    assert again.cost < best.fit.cost + 0.1
+
+
+def test_what_was_far_behind_on_fewer_samples_stays_so_on_all():
+    found = explained(recorded({"backlash": {"width": 3.0}}, seed=9))
+    best = found.choices[0]
+    shifted = [replace(c, score=c.score - 1000.0) for c in found.choices]
+    again = fitted_with_all(found.problem, replace(found, choices=shifted))
+    assert again.choices[0].fit.names == best.fit.names
+    assert again.choices[0].score < best.score + 0.1
+    far = max((c for c in found.choices if c.fit.pieces), key=lambda c: c.score).fit.key
+    gaps = [
+        next(c for c in e.choices if c.fit.key == far).score - e.choices[0].score
+        for e in (found, again)
+    ]
+    assert gaps[1] == pytest.approx(gaps[0], abs=0.5)
 
 
 def test_friction_alone_leaves_a_part_of_its_loop_to_slack():
