@@ -77,14 +77,17 @@ def terms(other_commands: Iterable[str] = ()) -> tuple[Term, ...]:
 def force_terms() -> tuple[Term, ...]:
     """Every term that a force measured against a position can show, as `terms` does for a chain.
 
-    A spring may harden from the start: beside a simulated one, that is all that is missing.
+    A spring may harden from the start: beside a simulated one, that is all that is missing. Nor
+    does a contact without pre-sliding come from one that has it: no step leads there.
     No drift that settles: settled at once, it is the offset that dry friction of two sizes needs.
     """
     return (
         Inertia(),
         CoulombFriction(),
+        CoulombFriction("smoothed"),
         ViscousFriction(),
         StribeckFriction(),
+        StribeckFriction("smoothed"),
         Stiffness(),
         Stiffness("hardening"),
         Drift("linear"),

@@ -98,6 +98,36 @@ def dragging(
     return out, np.array([position[-1], out[-1]])
 
 
+@njit(cache=True)
+def _lagged(position, more, reach, at, dry, lag):  # type: ignore[no-untyped-def]
+    out = np.empty(position.size)
+    for i in range(position.size):
+        moved = position[i] - at
+        at = position[i]
+        dry = bristled(dry, moved, 1.0 / reach, 1.0, 1.0, 1.0)[0]
+        lag = dry * more[i] + (lag - dry * more[i]) * decayed(abs(moved) / reach)
+        out[i] = lag
+    return out, dry
+
+
+def lagging(
+    position: np.ndarray, more: np.ndarray, reach: float, state: np.ndarray | None
+) -> tuple[np.ndarray, np.ndarray]:
+    """How much of what a contact can hold beyond its dry friction acts, (n,) from -1 to 1.
+
+    more: the share of it that slow sliding has, (n,), by the speed. A contact learns of its speed
+    as its bristles do, over the travel `reach`: f' = (x' - |x'| f / (1 + e more)) / reach, to first
+    order in e, is f = z + e y with Dahl's z and y' = |x'| (more z - y) / reach. And the state to
+    carry. Source: the LuGre model, Canudas de Wit, Olsson, Astrom and Lischinsky, IEEE Trans.
+    Autom. Control 40 (1995) 419.
+    """
+    at, dry, lag = (position[0], 0.0, 0.0) if state is None else state
+    out, dry = _lagged(
+        np.ascontiguousarray(position), more, reach, float(at), float(dry), float(lag)
+    )
+    return out, np.array([position[-1], dry, out[-1]])
+
+
 def weighted(share: np.ndarray, asymmetry: float) -> np.ndarray:
     """A share (n,) that is 1 + asymmetry times as large where it is positive, 1 - where not."""
     return share * (1.0 + asymmetry * np.sign(share))

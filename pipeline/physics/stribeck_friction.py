@@ -7,7 +7,7 @@ import numpy as np
 from pipeline.physics.coulomb_friction import ONSETS, onset_of, reach_of
 from pipeline.physics.force_term import ASYMMETRY, ForceTerm
 from pipeline.physics.motion import Kinetics, Motion
-from pipeline.physics.pre_sliding import sliding, weighted
+from pipeline.physics.pre_sliding import lagging, weighted
 from pipeline.physics.term import Parameter, Surroundings
 
 SPEEDS = (0.02, 0.07, 0.2)
@@ -15,12 +15,12 @@ REACHES = (3e-4, 0.01)
 
 
 class StribeckFriction(ForceTerm):
-    """F = force * z * exp(-(v / speed)^2): what a slow contact holds beyond a fast one.
+    """F = force * y: what a slow contact holds beyond a fast one, y = exp(-(v / speed)^2) sgn v.
 
-    z goes from -1 to 1 over the pre-sliding travel (`pre_sliding.py`, Dahl's curve). Form
-    "asymmetric": force (1 + asymmetry) rising, (1 - asymmetry) falling; form "smoothed": z =
-    tanh(v / onset), without pre-sliding. Source: Stribeck (1902); Armstrong-Helouvry, Dupont and
-    Canudas de Wit, Automatica 30 (1994) 1083.
+    y comes there over the pre-sliding travel, as in the LuGre model (`pre_sliding.lagging`). Form
+    "asymmetric": force (1 + asymmetry) rising, (1 - asymmetry) falling; form "smoothed": y =
+    tanh(v / onset) exp(-(v / speed)^2), without pre-sliding. Source: Stribeck (1902);
+    Armstrong-Helouvry, Dupont and Canudas de Wit, Automatica 30 (1994) 1083.
     """
 
     name = "stribeck_friction"
@@ -45,9 +45,9 @@ class StribeckFriction(ForceTerm):
         fallen = np.exp(-((kinetics.velocity / values[1]) ** 2))
         if self.form == "smoothed":
             return values[0] * np.tanh(kinetics.velocity / values[2]) * fallen, None
-        share, state = sliding(motion.drive, float(values[2]), 1.0, state)
+        share, state = lagging(motion.drive, fallen, float(values[2]), state)
         asymmetry = float(values[3]) if len(values) > 3 else 0.0
-        return values[0] * weighted(share, asymmetry) * fallen, state
+        return values[0] * weighted(share, asymmetry), state
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
         own = [p.start for p in self.parameters(around)]

@@ -127,6 +127,35 @@ def test_at_one_speed_a_bristle_and_a_damper_behind_a_spring_are_each_others_alt
     assert diagnosis.verdict == "ambiguous"
 
 
+def lugre(x, force, more, speed, reach):
+    """LuGre's bristle, stepped finely: z' = v - |v| z / (reach (1 + more exp(-(v/speed)^2)))."""
+    out, z, v = np.zeros(len(x)), 0.0, np.gradient(x) * RATE
+    for k in range(1, len(x)):
+        for part in (np.arange(40) + 0.5) / 40:
+            now = v[k - 1] + part * (v[k] - v[k - 1])
+            limit = 1.0 + more * np.exp(-((now / speed) ** 2))
+            z += (now - abs(now) * z / limit / reach) / RATE / 40
+        out[k] = force / reach * z
+    return out
+
+
+def test_a_contact_that_learns_late_of_its_speed_is_named_whole_and_no_mass_beside_it():
+    t, x, rng = motion(5)
+    fine = CubicSpline(t, x)
+    v = fine(t, 1)
+    force = lugre(x, 30.0, 0.4, 0.005, 3e-4) + 120.0 * v + rng.normal(0.0, 0.3, len(t))
+    (diagnosis,) = diagnose(DiagnosisConfig(), seen_in_steps(x, force)).diagnoses
+    assert {p.name for p in diagnosis.physics} == {
+        "coulomb_friction", "viscous_friction", "stribeck_friction"
+    }  # fmt: skip
+    found = parameters(diagnosis)
+    assert found["coulomb_friction.force"].value == pytest.approx(30.0, rel=0.03)
+    assert found["viscous_friction.damping"].value == pytest.approx(120.0, rel=0.05)
+    assert found["stribeck_friction.force"].value == pytest.approx(12.0, rel=0.15)
+    assert found["stribeck_friction.speed"].value == pytest.approx(0.005, rel=0.15)
+    assert diagnosis.after.heldout_rmse < 0.36
+
+
 @pytest.mark.parametrize("asymmetry", [0.0, 0.5])
 def test_both_directions_are_told_where_the_zero_is_trusted(asymmetry):
     t, x, rng = motion(2)

@@ -123,6 +123,20 @@ def test_stribeck_is_gone_at_speed_and_whole_at_rest():
     assert np.max(np.abs(force[np.abs(v) > 0.3])) < 1e-12
 
 
+def test_stribeck_comes_over_the_bristles_way_as_in_the_lugre_model():
+    m = swing(0.02)
+    v, step_s, reach, more = m.kinetics.velocity, 1e-3 / 20, 5e-4, 0.05
+    held, z = np.zeros(len(m)), 0.0
+    for k in range(1, len(m)):
+        for part in (np.arange(20) + 0.5) / 20:
+            now = v[k - 1] + part * (v[k] - v[k - 1])
+            z += (now - abs(now) * z / (1.0 + more * np.exp(-((now / 0.05) ** 2))) / reach) * step_s
+        held[k] = z / reach
+    told = answer("coulomb_friction", "bristle", [1.0, reach, 1.0], m)
+    told += answer("stribeck_friction", "", [more, 0.05, reach], m)
+    np.testing.assert_allclose(told, held, atol=0.1 * more)
+
+
 @pytest.mark.parametrize("physics", OWN, ids=lambda t: f"{t.name}-{t.form}")
 def test_every_force_has_bounds_words_a_source_and_memory(physics):
     m = swing()
