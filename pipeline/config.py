@@ -308,8 +308,8 @@ class ConcealedConfig:
 
     seed: int = 0
     counts: dict[str, int] = field(
-        default_factory=lambda: {"none": 100, "walk": 40, "one": 100, "two": 60, "three": 40,
-                                 "outside": 60, "small": 40}
+        default_factory=lambda: {"none": 120, "walk": 60, "one": 200, "two": 120, "three": 80,
+                                 "outside": 80, "small": 40}
     )  # fmt: skip
 
 
