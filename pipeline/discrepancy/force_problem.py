@@ -21,7 +21,7 @@ from pipeline.physics.motion import Kinetics, Motion
 from pipeline.physics.term import Surroundings
 from pipeline.recording import Recording
 
-TOP = 0.99
+TOP, HARDLY = 0.99, 1e-6
 ROWS_A_PERIOD = 2.5
 FEWEST_ROWS = 400
 
@@ -91,10 +91,17 @@ def _surroundings(
         travel=float(np.abs(np.diff(motion.drive)).sum()),
         drive_unit=position_unit(recording.channel(position).unit),
         angle_unit=recording.channel(measurement).unit,
-        top_speed=float(np.quantile(np.abs(kinetics.velocity), TOP)),
-        top_acceleration=float(np.quantile(np.abs(kinetics.acceleration), TOP)),
+        top_speed=top_of(kinetics.velocity),
+        top_acceleration=top_of(kinetics.acceleration),
         simulated=bool(np.any(kinetics.simulated)),
     )
+
+
+def top_of(values: np.ndarray) -> float:
+    """The size that all but few of some values (n,) stay below; of those that hardly move, all."""
+    sizes = np.abs(values)
+    usual, most = float(np.quantile(sizes, TOP)), float(np.max(sizes))
+    return usual if usual > HARDLY * most else most
 
 
 def averaged(problem: Problem) -> tuple[Problem, int]:

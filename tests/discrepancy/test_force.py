@@ -9,6 +9,7 @@ import pytest
 from scipy.interpolate import CubicSpline
 
 from pipeline.config import Config, DiagnosisConfig, SimulationConfig, ToleranceConfig
+from pipeline.discrepancy.force_problem import top_of
 from pipeline.discrepancy.model import as_json, from_json
 from pipeline.errors import UsageError
 from pipeline.physics.force_motion import position_of
@@ -114,6 +115,18 @@ def test_a_damper_behind_a_spring_is_no_dry_friction():
     assert diagnosis.after.heldout_rmse < 0.33
     (said,) = [p.says for p in diagnosis.physics if p.name == "viscous_friction"]
     assert "behind a spring" in said
+
+
+def test_a_damper_behind_a_spring_is_found_beside_a_contact_that_learns_late_of_its_speed():
+    t, x, rng = motion(7)
+    force = lugre(x, 10.0, 0.3, 0.005, 3e-4) + relaxed(x, 1000.0, 0.1)
+    force += 20.0 * CubicSpline(t, x)(t, 1) + rng.normal(0.0, 0.3, len(t))
+    (diagnosis,) = diagnose(DiagnosisConfig(), seen_in_steps(x, force)).diagnoses
+    assert {"viscous_friction", "coulomb_friction"} <= {p.name for p in diagnosis.physics}
+    found = parameters(diagnosis)
+    assert found["viscous_friction.relaxation"].value == pytest.approx(0.1, rel=0.25)
+    assert found["coulomb_friction.force"].value == pytest.approx(10.0, rel=0.15)
+    assert diagnosis.after.heldout_rmse < 0.6
 
 
 def test_at_one_speed_a_bristle_and_a_damper_behind_a_spring_are_each_others_alternative():
@@ -241,6 +254,12 @@ def test_its_notes_say_how_it_was_differentiated_and_that_nothing_was_simulated(
     notes = " ".join(damper.diagnoses[0].notes)
     assert "central differences of the position" in notes
     assert "Nothing simulates the force" in notes
+
+
+def test_the_top_speed_of_what_hardly_ever_moves_is_that_of_its_leaps():
+    leaps = np.where(np.arange(3000) % 1000 == 500, -7.0, 1e-290)
+    assert top_of(leaps) == 7.0
+    assert top_of(np.linspace(0.0, 1.0, 101)) == pytest.approx(0.99)
 
 
 def test_a_force_that_is_noise_alone_names_nothing():
