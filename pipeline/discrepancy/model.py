@@ -101,7 +101,7 @@ class CorrectedModel:
             told = fresh if goes_on else fresh + zero
             variance += rival.probability * (rival.respond(motion) - told) ** 2
         if self.end is not None and not (goes_on or self.end.begins_alike(motion)):
-            variance += variance_of_start(self.mechanism, motion, fresh)
+            variance += variance_of_start(self.mechanism, motion, fresh, self.end)
         return self._expected(motion, fresh) + zero, np.sqrt(variance)
 
     def _expected(self, motion: Motion, fresh: np.ndarray) -> np.ndarray:

@@ -10,18 +10,21 @@ from pipeline.physics.mechanism import Mechanism, State
 from pipeline.physics.motion import Kinetics, Motion
 
 OF_THE_CLOCK = ("drift",)
+MOST_ROWS = 2000
 
 
 @dataclass(frozen=True)
 class End:
     """Both ends of a recording and what its mechanism remembers after it.
 
-    first, last: drive; time_s, cycle: of the last row. longest_s, farthest: the most time and way
-    between two rows.
+    first, last, low, high: drive; time_s, cycle: of the last row. longest_s, farthest: the most
+    time and way between two rows.
     """
 
     first: float
     last: float
+    low: float
+    high: float
     time_s: float
     cycle: int
     longest_s: float
@@ -54,6 +57,8 @@ def end_of(motion: Motion, mechanism: Mechanism) -> End:
     return End(
         first=float(motion.drive[0]),
         last=float(motion.drive[-1]),
+        low=float(motion.drive.min()),
+        high=float(motion.drive.max()),
         time_s=float(motion.time_s[-1]),
         cycle=int(motion.cycle[-1]),
         longest_s=float(np.max(np.diff(motion.time_s))),
@@ -68,22 +73,27 @@ def end_from_json(entry: Mapping[str, Any]) -> End:
     return End(**{**entry, "state": state})
 
 
-def variance_of_start(mechanism: Mechanism, motion: Motion, expected: np.ndarray) -> np.ndarray:
+def variance_of_start(
+    mechanism: Mechanism, motion: Motion, expected: np.ndarray, known: End
+) -> np.ndarray:
     """How far answers (n,) may be off for want of what was before a motion, squared.
 
-    Play and friction hang on the way that led to the first row: it is taken from either end of the
-    motion's range, at its usual speed.
+    Play and friction hang on the way that led to the first row: it is taken from either end of
+    where the drive is known to go, at its usual speed.
     """
-    ends = (float(motion.drive.min()), float(motion.drive.max()))
-    found = [mechanism.respond(motion, _led(mechanism, motion, end))[0] for end in ends]
+    low, high = float(motion.drive.min()), float(motion.drive.max())
+    ends = (min(low, known.low), max(high, known.high))
+    found = [mechanism.respond(motion, _led(mechanism, motion, known, end))[0] for end in ends]
     return np.asarray(0.5 * sum((answer - expected) ** 2 for answer in found))
 
 
-def _led(mechanism: Mechanism, motion: Motion, begin: float) -> State:
+def _led(mechanism: Mechanism, motion: Motion, known: End, begin: float) -> State:
     """What a mechanism remembers that a straight way from `begin` led to a motion's first row."""
-    to, step = float(motion.drive[0]), float(np.mean(np.abs(np.diff(motion.drive))))
-    rows = int(np.clip(np.ceil(abs(to - begin) / max(step, 1e-300)), 1, len(motion)))
-    dwell_s = float(np.median(np.diff(motion.time_s)))
+    to, step, dwell_s = float(motion.drive[0]), known.farthest, known.longest_s
+    if len(motion) > 1 and np.ptp(motion.drive) > 0.0:
+        step = float(np.mean(np.abs(np.diff(motion.drive))))
+        dwell_s = float(np.median(np.diff(motion.time_s)))
+    rows = int(np.clip(np.ceil(abs(to - begin) / max(step, 1e-300)), 1, MOST_ROWS))
     still = np.ones(rows)
     before = Motion(
         drive=np.linspace(begin, to, rows + 1)[:-1],

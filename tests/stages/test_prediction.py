@@ -71,6 +71,15 @@ def test_nobody_knows_how_a_motion_came_where_it_begins_elsewhere(model):
     assert deviation[60:].max() < 2.0 * NOISE < deviation[0]
 
 
+def test_a_single_row_is_foretold_as_widely_as_its_way_there_is_unknown(model):
+    longer = recorded(HIDDEN, seed=1, cycles=10, noise=0.0)
+    rows = int(np.sum(longer.values("cycle") < 6)) + 25
+    few = of_rows(longer, rows, 1e5)
+    table = predict([replace(model, rivals=())], replace(few, samples=few.samples.iloc[:1]))
+    assert len(table) == 1
+    assert table["pitch_angle_deg_std"].item() > 2.0 * NOISE
+
+
 @pytest.fixture(scope="module")
 def doubted(model):
     """The model with a rival of a quarter's probability that drifts by 6 deg an hour more."""
