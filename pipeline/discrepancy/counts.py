@@ -4,8 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 from scipy.linalg import solveh_banded
+from scipy.optimize import minimize
+from scipy.signal import lfilter
 
 from pipeline.discrepancy.beside import may_follow
+from pipeline.physics.backlash import play
 from pipeline.physics.kinematics import Curve, sampled_curve
 from pipeline.physics.motion import Motion
 
@@ -13,6 +16,9 @@ ON_GRID, FEWEST_LEVELS = 1e-3, 10
 OFTEN_EQUAL = 0.05
 STIFFNESSES, FEW_OUTSIDE = 4.0 ** np.arange(16), 0.01
 SECOND = (1.0, -2.0, 1.0)
+LAGS, SHORTEST, STEPS = 2.0 ** np.arange(-2, 8), 1e-2, 60
+PLAYS = np.array([0.0, 0.25, 0.5, 1.0, 2.0, 4.0])
+NEARER = 0.9
 
 
 def quantum_of(values: np.ndarray) -> float:
@@ -62,15 +68,42 @@ def smooth_motion(counted: np.ndarray, measured: np.ndarray) -> tuple[np.ndarray
     """What surely moved smoothly behind the counts of an encoder (n,), and its step; or the counts.
 
     measured: (n,), NaN where not measured. It tells an encoder that counts what moves, from a motor
-    that goes in steps: then the measurement goes in the same steps, at once or some rows later. The
-    step is 0.0 where the command is left as it is.
+    that goes in steps: then the measurement goes in the same steps, at once or some rows later, or
+    is nearer to them behind some lag and play than to the smooth motion behind any. The step is 0.0
+    where the command is left as it is.
     """
     quantum = quantum_of(counted)
     few = float(np.ptp(counted)) < FEWEST_LEVELS * quantum
     if quantum == 0.0 or few or np.mean(np.diff(counted) == 0.0) < OFTEN_EQUAL:
         return counted, 0.0
     smooth = between_counts(counted, quantum)
-    return (counted, 0.0) if may_follow(counted - smooth, smooth, measured) else (smooth, quantum)
+    followed = may_follow(counted - smooth, smooth, measured) or (
+        left_behind_lag(counted, measured, quantum)
+        < NEARER * left_behind_lag(smooth, measured, quantum)
+    )
+    return (counted, 0.0) if followed else (smooth, quantum)
+
+
+def left_behind_lag(drive: np.ndarray, measured: np.ndarray, quantum: float) -> float:
+    """Least root mean square that a line in a drive (n,) behind play and lag leaves of measured.
+
+    measured: (n,), NaN where not measured. The lag is of first order, or two alike one behind the
+    other. The best of a grid of plays [quanta] and lags [rows] is refined.
+    """
+    rows, moved = np.isfinite(measured), drive - float(drive[0])
+
+    def left(sizes: np.ndarray, twice: bool) -> float:
+        late = play(moved, 0.5 * quantum * abs(sizes[0]), 0.0)
+        fade = float(np.exp(-1.0 / max(abs(sizes[1]), SHORTEST)))
+        for _ in range(1 + twice):
+            late = lfilter([1.0 - fade], [1.0, -fade], late)
+        line = np.polyval(np.polyfit(late[rows], measured[rows], 1), late[rows])
+        return float(np.sqrt(np.mean((measured[rows] - line) ** 2)))
+
+    plays = PLAYS[PLAYS * quantum < 0.5 * np.ptp(drive)]
+    grid = [(np.array([p, lag]), twice) for p in plays for lag in LAGS for twice in (False, True)]
+    best, twice = min(grid, key=lambda at: left(*at))
+    return float(minimize(left, best, (twice,), "Nelder-Mead", options={"maxiter": STEPS}).fun)
 
 
 def uncounted(

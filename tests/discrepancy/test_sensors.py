@@ -3,6 +3,7 @@
 import numpy as np
 import pandas as pd
 import pytest
+from scipy.signal import lfilter
 
 from pipeline.config import DiagnosisConfig
 from pipeline.discrepancy.counts import between_counts, quantum_of, smooth_motion
@@ -54,6 +55,18 @@ def test_counts_stay_where_the_measurement_goes_in_the_same_steps_even_late() ->
         followed, quantum = smooth_motion(counts, np.roll(counts, late) + noise(0.02))
         assert quantum == 0.0
         assert followed is counts
+
+
+def test_a_staircase_that_is_followed_late_and_with_play_is_no_encoder() -> None:
+    stairs = 100.0 * np.round(8.0 * np.sin(2.0 * np.pi * 0.05 * TIME_S))
+    stairs = stairs[np.arange(3000) // 50 * 50]
+    played = play(stairs, 20.0, 0.0)
+    for rows in (3.0, 20.0):
+        fade = np.exp(-1.0 / rows)
+        late = lfilter([1.0 - fade], [1.0, -fade], played)
+        followed, quantum = smooth_motion(stairs, late + noise(1.0))
+        assert quantum == 0.0
+        assert followed is stairs
 
 
 def test_the_noise_of_a_measured_command_is_no_lag_behind_it() -> None:
