@@ -11,6 +11,7 @@ from pipeline.physics.term import Parameter, Surroundings, Term
 
 LEAST_PULL = 1e-9
 FAREST_HOME = 20.0
+BENT = "capstan bent"
 
 
 class CapstanFriction(Term):
@@ -21,6 +22,9 @@ class CapstanFriction(Term):
     "capstan begun" begins anywhere between that (1) and as it was let go (-1). A wire that is not
     pulled counts as pulled by LEAST_PULL. wrap = friction coefficient times the angle that it is
     bent by.
+    Form "capstan bent": the sheath is bent anew while it runs, its wrap going to `later` over the
+    time `lasts` from `bent` on. The travel of log(pull) counts by how much it is bent, so that
+    where reach = wrap it stays a play in the logarithm.
     Form "capstan bristle": z is of one bristle over a `reach` of pull (see `pre_sliding.py`). Form
     "pretensioned", where a way goes in and a spring pulls at the far end: pull = way + pretension,
     so that the loop is the wider the further the wire is pulled.
@@ -30,7 +34,7 @@ class CapstanFriction(Term):
 
     name = "friction"
     site = "transmission"
-    grows: ClassVar = {"capstan": ("capstan begun", "capstan bristle")}
+    grows: ClassVar = {"capstan": ("capstan begun", "capstan bristle", BENT)}
     says = (
         "The sheath holds the wire back by a share of its pull: the two ways differ by a factor "
         "of exp(2 x {wrap})."
@@ -41,8 +45,15 @@ class CapstanFriction(Term):
         "{percent:.2g} % of the way from where the wire would be slack, {pretension} from zero."
     )
 
+    says_of_bent = (
+        "The sheath holds the wire back by a share of its pull: the two ways differ by a factor "
+        "of exp(2 x {wrap:.3g}) at first, and of exp(2 x {later:.3g}) once it was bent anew, over "
+        "{lasts:.3g} s from {bent:.3g} s on."
+    )
+
     def __init__(self, form: str = "capstan") -> None:
         self.form = form
+        self.far_apart = form == BENT
         self.before_curve = form != "pretensioned"
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
@@ -60,6 +71,14 @@ class CapstanFriction(Term):
         )
         if self.form == "capstan begun":
             return (*own, Parameter("begun", "", -1.0, 1.0, 0.0, 1.0))
+        if self.form == BENT:
+            lasts = max(around.end_s - around.start_s, 1e-9)
+            return (
+                *own,
+                Parameter("later", "", 0.0, 3.0, 0.2, 0.1),
+                Parameter("bent", "s", around.start_s, around.start_s + lasts, around.start_s, 0.0),
+                Parameter("lasts", "s", 1e-3 * lasts, lasts, lasts, 0.0),
+            )
         if self.form != "pretensioned":
             return own
         span, home = around.angle_span, -around.angle_low
@@ -69,6 +88,8 @@ class CapstanFriction(Term):
     def respond(
         self, signal: np.ndarray, motion: Motion, values: np.ndarray, state: np.ndarray | None
     ) -> tuple[np.ndarray, np.ndarray]:
+        if self.form == BENT:
+            return self.respond_bent(signal, motion, values, state)
         wrap, reach, spread = (float(v) for v in values[:3])
         if self.form == "capstan bristle":
             begin = np.append(signal[0], 1.0) if state is None else state
@@ -82,7 +103,30 @@ class CapstanFriction(Term):
         share, slid = sliding(np.log(np.maximum(pull, LEAST_PULL)), reach, spread, state)
         return pull * np.exp(-wrap * share) - home, slid
 
+    def respond_bent(
+        self, signal: np.ndarray, motion: Motion, values: np.ndarray, state: np.ndarray | None
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """As `respond`, of a sheath that is bent anew; state: log(pull), then that of `sliding`."""
+        wrap, reach, spread, later, bent, lasts = (float(v) for v in values)
+        pull = np.log(np.maximum(signal, LEAST_PULL))
+        if state is None:
+            state = np.concatenate([pull[:1], [0.0], np.ones(ELEMENTS)])
+        wraps = wrap + (later - wrap) * np.clip((motion.time_s - bent) / lasts, 0.0, 1.0)
+        moved = np.diff(pull, prepend=state[0]) * wrap / np.maximum(wraps, LEAST_PULL)
+        share, slid = sliding(state[1] + np.cumsum(moved), reach, spread, state[1:])
+        return signal * np.exp(-wraps * share), np.concatenate([pull[-1:], slid])
+
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
+        if self.form == BENT:
+            lasts = max(around.end_s - around.start_s, 1e-9)
+            whens = [(0.0, 1.0), *((0.1 + 0.2 * k, how) for k in range(5) for how in (0.05, 0.3))]
+            wraps = (0.05, 0.1, 0.2, 0.35, 0.6, 1.0)
+            return np.array(
+                [
+                    [wrap, wrap, 0.1, later, around.start_s + when * lasts, how * lasts]
+                    for wrap in wraps for later in wraps for when, how in whens
+                ]
+            )  # fmt: skip
         if self.form == "capstan bristle":
             span = around.drive_span
             return np.array(
@@ -106,6 +150,8 @@ class CapstanFriction(Term):
         out = super().scaled(values, factor)
         if self.form != "capstan bristle":
             out[1] *= factor
+        if self.form == BENT:
+            out[3] *= factor
         return out
 
     def excited(self, motion: Motion, around: Surroundings) -> bool:
@@ -119,6 +165,9 @@ class CapstanFriction(Term):
         return alike and around.drive_span > 0.0 and taut
 
     def sentence(self, values: np.ndarray, around: Surroundings) -> str:
+        if self.form == BENT:
+            names = (p.name for p in self.parameters(around))
+            return self.says_of_bent.format(**dict(zip(names, values, strict=True)))
         if self.form != "pretensioned":
             return super().sentence(values, around)
         return self.says_of_pretensioned.format(

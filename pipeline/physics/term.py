@@ -99,7 +99,7 @@ class Term:
     own_law: bool = False
     adds: bool = False
     timed: ClassVar[bool] = False
-    far_apart: ClassVar[bool] = False
+    far_apart: bool = False
     group: ClassVar[str] = ""
     says: ClassVar[str]
     form: str = ""

@@ -16,12 +16,11 @@ from pipeline.stages.diagnosis import diagnose
 WRAP, NOISE_N = 0.25, 0.2
 
 
-def sheath(pull_n: np.ndarray, wrap: float, segments: int = 40) -> np.ndarray:
+def sheath(pull_n: np.ndarray, wrap: float | np.ndarray, segments: int = 40) -> np.ndarray:
     """Pull at the far end: each segment holds back at most its share of exp(wrap)."""
-    share = np.exp(wrap / segments)
     held = np.full(segments, pull_n[0])
     out = []
-    for pull in pull_n:
+    for pull, share in zip(pull_n, np.exp(wrap / segments + 0.0 * pull_n), strict=True):
         for k in range(segments):
             held[k] = pull = min(max(held[k], pull / share), pull * share)
         out.append(pull)
@@ -97,6 +96,31 @@ def test_a_pretensioned_wire_is_held_back_the_more_the_further_it_is_pulled(tmp_
     assert own["wrap"].value == pytest.approx(0.1, rel=0.05)
     assert own["pretension"].value == pytest.approx(22.0, rel=0.05)
     assert found.after.heldout_rmse < 1.1 * NOISE_N
+
+
+def test_a_sheath_that_is_bent_anew_is_friction_and_no_other_name(tmp_path: Path):
+    pull, cycle = pulls_n()
+    bent = 0.3 * np.clip((np.arange(len(pull)) - 500) / 60, 0.0, 1.0)
+    found = diagnosed(tmp_path, pull, sheath(pull, 0.1 + bent), cycle, "N")
+    assert [p.name for p in found.physics] == ["friction"]
+    own = {p.name: p for p in found.physics[0].parameters}
+    assert own["wrap"].value == pytest.approx(0.1, rel=0.05)
+    assert own["later"].value == pytest.approx(0.4, rel=0.05)
+    assert own["bent"].value == pytest.approx(50.0, abs=2.0)
+    assert found.after.heldout_rmse < 1.1 * NOISE_N
+
+
+def test_a_sheath_that_is_not_bent_anew_stays_what_it_was_and_blocks_join():
+    pull, cycle = pulls_n()
+    motion = Motion(pull, np.arange(len(pull)) * 0.1, cycle)
+    term, still = CapstanFriction("capstan bent"), np.array([WRAP, WRAP, 0.1, WRAP, 30.0, 5.0])
+    same = CapstanFriction().respond(pull, motion, still[:3], None)[0]
+    assert term.respond(pull, motion, still, None)[0] == pytest.approx(same)
+    values = np.array([WRAP, WRAP, 0.1, 0.5, 20.0, 30.0])
+    out, _ = term.respond(pull, motion, values, None)
+    first, state = term.respond(pull[:300], motion.rows(slice(0, 300)), values, None)
+    rest, _ = term.respond(pull[300:], motion.rows(slice(300, None)), values, state)
+    assert np.concatenate([first, rest]) == pytest.approx(out, rel=1e-12)
 
 
 @pytest.mark.parametrize("bent", [WRAP, 3 * WRAP])
