@@ -7,6 +7,7 @@ import numpy as np
 from pipeline.discrepancy.choose import Choice
 from pipeline.discrepancy.cycle_zero import about_each_zero, wanders_by_cycle
 from pipeline.discrepancy.explain import Explanation, settled_rows
+from pipeline.discrepancy.explain import refuted as unrepeated
 from pipeline.discrepancy.intervals import undated
 from pipeline.discrepancy.noise import NoiseModel
 from pipeline.discrepancy.outliers import isolated
@@ -28,6 +29,10 @@ HELDOUT = "on held-out samples, which the fit to the others does not predict"
 SLOWLY = "slow changes that come back, as no zero that wanders does"
 BEYOND = "at held-out commands beyond the range of those fitted"
 UNWITNESSED = "slow changes, and no cycle repeats another to show that they are a zero that walks"
+
+UNLIKE_REPEATS = (
+    "slow changes, and cycles that repeat another show that they are no zero that walks"
+)
 
 
 def disproved(
@@ -53,8 +58,9 @@ def disproved(
     if problem.derivatives is not None or rounded(explanation, choice):
         return structure
     used = counted & settled_rows(problem, explanation.prior) & (problem.train | problem.heldout)
-    if unwitnessed(explanation, choice, off[used & problem.train]):
-        return replace(structure, found=True, where=UNWITNESSED)
+    walking = taken_for_a_walk(explanation, choice, off[used & problem.train])
+    if walking is not None:
+        return replace(structure, found=True, where=walking)
     stands = problem.motion.stands
     gain, likely = comes_back(off, problem.cycle, used, stands, noise, SLOW_CORRELATION)
     large = likely.correlated > SMALLEST_SIZE * noise.deviation
@@ -128,12 +134,16 @@ def usual(left: np.ndarray, noise: NoiseModel) -> float:
     return (TWICE if noise.walk > 0.0 else FAR) * own
 
 
-def unwitnessed(explanation: Explanation, choice: Choice, left: np.ndarray) -> bool:
-    """Whether a zero that walks takes most of what names leave, (k,), and no cycles repeat.
+def taken_for_a_walk(explanation: Explanation, choice: Choice, left: np.ndarray) -> str | None:
+    """Whether a zero that walks takes most of what names leave, (k,), and no cycles bear it out.
 
     What a recording samples finely it changes slowly, physics and zero alike: only cycles that
-    repeat would witness that it is the zero.
+    repeat would witness that it is the zero. Where they do, they may speak against it.
     """
     noise = choice.fit.ground.noise
-    alone = bool(choice.fit.pieces) and noise.walk > 0.0 and explanation.prior.repeats == 0
-    return alone and root_mean(left**2) > TWICE * float(np.hypot(noise.deviation, noise.jitter))
+    most = root_mean(left**2) > TWICE * float(np.hypot(noise.deviation, noise.jitter))
+    if not (choice.fit.pieces and noise.walk > 0.0 and most):
+        return None
+    if explanation.prior.repeats == 0:
+        return UNWITNESSED
+    return UNLIKE_REPEATS if unrepeated(explanation.search, choice) else None

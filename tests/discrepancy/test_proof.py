@@ -9,7 +9,15 @@ import pytest
 from pipeline.config import DiagnosisConfig
 from pipeline.discrepancy.noise import NoiseModel
 from pipeline.discrepancy.problem import Problem, pose_problem
-from pipeline.discrepancy.proof import BEYOND, HELDOUT, refuted, strained, unwitnessed
+from pipeline.discrepancy.proof import (
+    BEYOND,
+    HELDOUT,
+    UNLIKE_REPEATS,
+    UNWITNESSED,
+    refuted,
+    strained,
+    taken_for_a_walk,
+)
 from pipeline.recording import Channel, Recording, with_context
 
 ROWS = 900
@@ -70,12 +78,21 @@ def test_what_lies_beyond_the_commands_fitted_refutes_nothing_and_is_said():
 
 
 @pytest.mark.parametrize(
-    ("pieces", "repeats", "noise", "is_so"),
-    [(1, 0, WALK, True), (0, 0, WALK, False), (1, 3, WALK, False), (1, 0, NOISE, False)],
+    ("pieces", "repeats", "noise", "strain", "said"),
+    [
+        (1, 0, WALK, 0.0, UNWITNESSED),
+        (0, 0, WALK, 0.0, None),
+        (1, 3, WALK, 0.0, None),
+        (1, 3, WALK, 16.0, UNLIKE_REPEATS),
+        (0, 3, WALK, 16.0, None),
+        (1, 0, NOISE, 0.0, None),
+    ],
 )
-def test_only_repeats_witness_that_a_zero_walks(pieces, repeats, noise, is_so):
+def test_only_repeats_witness_that_a_zero_walks(pieces, repeats, noise, strain, said):
     fit = SimpleNamespace(ground=SimpleNamespace(noise=noise), pieces=(None,) * pieces)
-    explanation = SimpleNamespace(prior=SimpleNamespace(repeats=repeats))
-    choice = SimpleNamespace(fit=fit)
-    assert unwitnessed(explanation, choice, np.full(ROWS, 0.6)) == is_so
-    assert not unwitnessed(explanation, choice, np.full(ROWS, 0.3))
+    prior = SimpleNamespace(repeats=repeats, model=noise, sure=0.1)
+    family = SimpleNamespace(prior=prior, strained=lambda place: strain)
+    explanation = SimpleNamespace(prior=prior, search=SimpleNamespace(family=family))
+    choice = SimpleNamespace(fit=fit, place=(0, 0, 7))
+    assert taken_for_a_walk(explanation, choice, np.full(ROWS, 0.6)) == said
+    assert taken_for_a_walk(explanation, choice, np.full(ROWS, 0.3)) is None
