@@ -19,7 +19,7 @@ def by_direction(choice: Choice, piece: Piece, family: NoiseFamily) -> tuple[Est
 
     Of a term that needs no difference, a form that has one is fitted in its place: its intervals
     tell how large a difference the recording leaves open. Where that fit goes elsewhere, it tells
-    nothing about this one.
+    nothing about this one; nor does one whose size is none.
     """
     if not (isinstance(piece.term, ForceTerm) and piece.term.directed):
         return ()
@@ -29,7 +29,7 @@ def by_direction(choice: Choice, piece: Piece, family: NoiseFamily) -> tuple[Est
     parameters = fit.pieces[k].term.parameters(around)
     names = [p.name for p in parameters]
     elsewhere = fit is not choice.fit and abs(fit.cost - choice.fit.cost) > FALL
-    if ASYMMETRY.name not in names or elsewhere:
+    if ASYMMETRY.name not in names or elsewhere or fit.pieces[k].values[0] == 0.0:
         return ()
     place = names.index(ASYMMETRY.name)
     first = len(fit.nuisance) + sum(len(p.values) for p in fit.pieces[:k])

@@ -18,6 +18,7 @@ UNLIKELY = {
     "slack/behind": BEHIND,
     "slack/home behind": BEHIND,
     "viscous_friction/sprung": BEHIND,
+    "transmission_ripple/force": 6.0,
 }
 SIDED = ("contact", "end_stop")
 

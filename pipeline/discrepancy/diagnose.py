@@ -10,7 +10,7 @@ from pipeline.discrepancy.choose import Choice
 from pipeline.discrepancy.cycle_zero import wanders_by_cycle
 from pipeline.discrepancy.explain import Explanation, explain, not_excited, turning
 from pipeline.discrepancy.faint import without_faint
-from pipeline.discrepancy.force_delay import delay_of, late
+from pipeline.discrepancy.force_late import explained_in_time
 from pipeline.discrepancy.force_noise import noise_of_samples
 from pipeline.discrepancy.force_problem import averaged
 from pipeline.discrepancy.foretold import foretold_part, testable
@@ -45,12 +45,10 @@ def diagnose_measurement(
 ) -> tuple[Diagnosis, Evidence, CorrectedModel]:
     """Name what the simulation of a measurement left out, with the proof on held-out rows."""
     small, every = reduced(problem)
-    explanation = explain(small)
-    if problem.derivatives is not None:
-        delay = delay_of(problem, explanation.choices[0].fit)
-        if delay.value != 0.0:
-            problem = late(problem, delay)
-            explanation = explain(reduced(problem)[0])
+    if problem.derivatives is None:
+        explanation = explain(small)
+    else:
+        problem, explanation = explained_in_time(problem)
     explanation = without_faint(explanation)
     best, structure, accurate = decided(problem, explanation)
     family = explanation.search.family

@@ -31,7 +31,7 @@ from pipeline.discrepancy.screen import effects_of
 from pipeline.discrepancy.sprung import sprung
 from pipeline.discrepancy.thinning import sparser
 from pipeline.discrepancy.ties import RIVAL_GAP, by_names, names, plain, plainly
-from pipeline.physics.catalogue import force_terms, terms
+from pipeline.physics.catalogue import LATE, force_terms, terms
 from pipeline.physics.term import Term
 from pipeline.recording import reversals_of
 
@@ -285,8 +285,7 @@ def not_excited(problem: Problem) -> tuple[str, ...]:
     """Names of the catalogue that this recording could not have shown."""
     every = {t.name for t in (*terms(problem.motion.others), *force_terms())} | {"coupling"}
     shown = {t.name for t in excited_terms(problem)}
-    if problem.motion.kinetics is None:
-        shown.add("marker_outliers")
+    shown.add("marker_outliers" if problem.motion.kinetics is None else LATE.name)
     return tuple(sorted(every - shown))
 
 

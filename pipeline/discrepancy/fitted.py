@@ -12,6 +12,7 @@ ORTHOGONAL = 0.02
 CUBIC = 2
 LOOSE_GAIN = 3.0
 LEAST_JUMP, RIGID = 1e-3, 0.9
+LEAST_RESISTING = 1e-3
 
 
 def tolerance_of_fit(
@@ -80,6 +81,21 @@ def tolerance_of_rigid(declared: ToleranceConfig, motion: Motion) -> ToleranceCo
     jumping = variance_left(simulated, np.column_stack([law, np.sign(v)]))
     rigid = smooth > LEAST_JUMP * whole and jumping < (1.0 - RIGID) * smooth
     return replace(declared, gain=max(declared.gain, LOOSE_GAIN)) if rigid else declared
+
+
+def resisting(motion: Motion) -> bool:
+    """Whether some of a simulated force goes by the speed, as friction does.
+
+    It tells LEAST_RESISTING of the force's variance beside powers of position and acceleration.
+    """
+    kinetics = motion.kinetics
+    assert kinetics is not None
+    simulated, v = kinetics.simulated, kinetics.velocity
+    x = motion.drive - motion.drive.mean()
+    law = np.column_stack([np.ones(len(x)), x, x**2, x**3, kinetics.acceleration])
+    quick = np.column_stack([law, v, v * np.abs(v), np.sign(v)])
+    told = variance_left(simulated, law) - variance_left(simulated, quick)
+    return told > LEAST_RESISTING * float(np.var(simulated))
 
 
 def variance_left(values: np.ndarray, columns: np.ndarray) -> float:

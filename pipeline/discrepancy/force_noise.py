@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from pipeline.discrepancy.hats import hats
 from pipeline.discrepancy.noise import NoiseModel
 from pipeline.discrepancy.problem import Averaged, Problem
 from pipeline.physics.mechanism import Mechanism
@@ -11,6 +12,7 @@ from pipeline.physics.motion import Kinetics
 from pipeline.physics.pre_sliding import sliding
 
 REACHES = (1e-5, 1e-3, 0.01, 0.05, 0.3)
+SLOW, BENDS = 5, 12
 LONGEST_SHARE = 0.1
 LEAST_SPELL = 1.0 + 1e-9
 MEDIAN_SQUARE = 0.4549  # of a standard normal: the median does not count corners and outliers
@@ -63,7 +65,11 @@ def _law(problem: Problem, kinetics: Kinetics) -> np.ndarray:
     banks = [sliding(blocks.motion.drive, r, 1.0, None)[0] for r in reaches]
     own = [np.ones_like(x), x, x**2, x**3, v, v * np.abs(v), v**3, a, np.abs(a)]
     sided = [blocks.mean(z) for bank in banks for z in (bank, np.abs(bank))]
-    return np.column_stack([kinetics.simulated, *own, *sided])
+    t = problem.motion.time_s
+    u = 2.0 * (t - t[0]) / max(t[-1] - t[0], 1e-300) - 1.0
+    slow = np.polynomial.legendre.legvander(u, SLOW)[:, 1:]
+    bends = np.column_stack([hats(np.clip(v, -1, 1), BENDS), hats(x, BENDS)])
+    return np.column_stack([kinetics.simulated, *own, *sided, slow, bends])
 
 
 def spell_of(values: np.ndarray, rows: np.ndarray) -> float:

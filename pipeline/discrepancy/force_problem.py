@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from pipeline.config import DiagnosisConfig
-from pipeline.discrepancy.fitted import tolerance_of_fit, tolerance_of_rigid
+from pipeline.discrepancy.fitted import resisting, tolerance_of_fit, tolerance_of_rigid
 from pipeline.discrepancy.problem import (
     MOST_ROWS,
     Averaged,
@@ -94,6 +94,7 @@ def _surroundings(
         top_speed=top_of(kinetics.velocity),
         top_acceleration=top_of(kinetics.acceleration),
         simulated=bool(np.any(kinetics.simulated)),
+        resisting=resisting(motion),
     )
 
 
@@ -130,7 +131,7 @@ def averaged(problem: Problem) -> tuple[Problem, int]:
         drive=blocks.mean(fine.drive),
         time_s=blocks.mean(fine.time_s),
         cycle=fine.cycle[first],
-        radian=1.0,
+        radian=fine.radian,
         kinetics=Kinetics(
             blocks.mean(kinetics.velocity),
             blocks.mean(kinetics.acceleration),

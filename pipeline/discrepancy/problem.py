@@ -56,13 +56,22 @@ class Averaged:
 
     def mean(self, values: np.ndarray) -> np.ndarray:
         """Block means of samples (n,); NaN where one is that counts."""
-        shape = (len(values) // self.size, self.size)
-        blocks = values[: shape[0] * self.size].reshape(shape)
+        whole = len(values) // self.size
+        blocks = np.asarray(values[: whole * self.size]).reshape(whole, self.size)
+        counts = self.counts
+        if np.isnan(blocks).any():
+            blocks = np.where(counts > 0.0, blocks, 0.0)
+        return np.asarray(np.einsum("ij,ij->i", blocks, counts) / counts.sum(axis=1))
+
+    @cached_property
+    def counts(self) -> np.ndarray:
+        """1 of each sample that counts in the mean of its block, 0 of others, (rows, size)."""
+        whole = len(self.motion) // self.size
         if self.known is None:
-            return np.asarray(blocks.mean(axis=1))
-        counts = self.known[: shape[0] * self.size].reshape(shape)
-        counts = counts | (2 * counts.sum(axis=1, keepdims=True) < self.size)
-        return np.asarray(blocks.mean(axis=1, where=counts))
+            return np.ones((whole, self.size))
+        known = self.known[: whole * self.size].reshape(whole, self.size)
+        few = 2 * known.sum(axis=1, keepdims=True) < self.size
+        return np.where(known | few, 1.0, 0.0)
 
     def trace(self, mechanism: Mechanism) -> Trace:
         """The block means of what a mechanism does."""

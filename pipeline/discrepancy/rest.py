@@ -7,6 +7,7 @@ from scipy.special import chdtrc
 
 from pipeline.discrepancy.choose import Choice
 from pipeline.discrepancy.fit import Fit, evaluate
+from pipeline.discrepancy.hats import hats
 from pipeline.discrepancy.noise import NoiseModel
 from pipeline.discrepancy.noise_family import NoiseFamily
 from pipeline.discrepancy.noise_learning import NoisePrior
@@ -149,13 +150,6 @@ def curves(problem: Problem) -> dict[str, np.ndarray]:
             moving = branch_of(other) > 0
             out[name] = np.column_stack([hats(other, 8) * w[:, None] for w in (moving, ~moving)])
     return out
-
-
-def hats(values: np.ndarray, knots: int) -> np.ndarray:
-    """Piecewise linear bumps over the range of values (n,), (n, knots)."""
-    low, high = float(values.min()), float(values.max())
-    place = (values - low) / max(high - low, 1e-12) * (knots - 1)
-    return np.maximum(1.0 - np.abs(place[:, None] - np.arange(knots)), 0.0)
 
 
 def travelled(drive: np.ndarray) -> np.ndarray:

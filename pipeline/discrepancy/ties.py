@@ -200,11 +200,14 @@ def equivalents(name: str, problem: Problem) -> list[str]:
 
 
 def in_step(problem: Problem) -> bool:
-    """Whether acceleration follows position, as at one frequency: a mass is a negative spring."""
+    """Whether acceleration follows position, as at one frequency: a mass is a negative spring.
+
+    Jolts, as between two sines, do not count.
+    """
     kinetics = problem.motion.kinetics
     if kinetics is None:
         return False
-    rows = problem.train
+    rows = problem.train & (np.abs(kinetics.acceleration) <= problem.around.top_acceleration)
     along = np.corrcoef(problem.motion.drive[rows], kinetics.acceleration[rows])[0, 1]
     return bool(abs(along) > ALONG)
 

@@ -13,6 +13,9 @@ from pipeline.physics.coupling import Coupling
 from pipeline.physics.creep import Creep
 from pipeline.physics.drift import Drift
 from pipeline.physics.end_stop import EndStop
+from pipeline.physics.force_contact import ForceContact
+from pipeline.physics.force_lag import ForceLag
+from pipeline.physics.force_waves import ForceGravity, ForceRipple
 from pipeline.physics.frame_lag import FrameLag
 from pipeline.physics.friction import Friction
 from pipeline.physics.gravity import Gravity
@@ -33,7 +36,7 @@ from pipeline.physics.viscous_friction import ViscousFriction
 
 BEND, BENDING = "bend", LensDistortion("second")
 SHEATH_FORCES = tuple(SheathForce(f) for f in ("near", "far", "near falling", "far falling"))
-SPRUNG = ViscousFriction("sprung")
+SPRUNG, LATE = ViscousFriction("sprung"), ForceLag()
 
 
 def terms(other_commands: Iterable[str] = ()) -> tuple[Term, ...]:
@@ -86,12 +89,18 @@ def force_terms() -> tuple[Term, ...]:
         CoulombFriction(),
         CoulombFriction("smoothed"),
         ViscousFriction(),
+        ViscousFriction("square"),
         StribeckFriction(),
         StribeckFriction("smoothed"),
         Stiffness(),
         Stiffness("hardening"),
+        ForceContact("upper buffer"),
+        ForceContact("lower buffer"),
+        ForceGravity(),
+        ForceRipple(),
         Drift("linear"),
         Drift("cycle"),
+        Drift("wave"),
     )
 
 
@@ -110,7 +119,7 @@ def term(name: str, form: str = "", other_commands: Iterable[str] = ()) -> Term:
     every = (*terms(other_commands), *force_terms())
     found = [t for first in every for t in (first, *richer(first))]
     found += [richest for t in found for richest in richer(t)]
-    found += (*SHEATH_FORCES, SPRUNG)
+    found += (*SHEATH_FORCES, SPRUNG, LATE)
     same = [t for t in found if t.name == name and form in ("", t.form)]
     if same:
         return next((t for t in same if t.form == form), same[0])

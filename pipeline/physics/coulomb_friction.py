@@ -4,7 +4,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from pipeline.physics.force_term import ASYMMETRY, ForceTerm, both_ways, size
+from pipeline.physics.force_term import ASYMMETRY, ForceTerm, both_ways, resistance
 from pipeline.physics.motion import Kinetics, Motion
 from pipeline.physics.pre_sliding import dragging, sliding, weighted
 from pipeline.physics.term import Parameter, Surroundings
@@ -58,7 +58,7 @@ class CoulombFriction(ForceTerm):
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
         turn = onset_of(around) if "smoothed" in self.form else reach_of(around)
-        own = (size("force", around.angle_unit, 2.0 * around.angle_span, around), turn)
+        own = (resistance("force", around.angle_unit, 2.0 * around.angle_span, around), turn)
         asymmetry = (ASYMMETRY,) if "asymmetric" in self.form else ()
         shape = [SHAPES[word] for word in self.form.split() if word in SHAPES]
         return (*own, *asymmetry, *shape)

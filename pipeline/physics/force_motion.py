@@ -5,6 +5,7 @@ import numpy as np
 from pipeline.errors import LoopgapError, refusal
 from pipeline.physics.differentiation import Derivatives, differentiate
 from pipeline.physics.force_units import (
+    RADIAN,
     is_force,
     is_position,
     is_velocity,
@@ -60,7 +61,7 @@ def force_motion(
         drive=np.ascontiguousarray(found.position),
         time_s=time_s,
         cycle=recording.values("cycle").astype(np.int64),
-        radian=1.0,
+        radian=RADIAN.get(position_unit(unit), 1.0),
         kinetics=Kinetics(found.velocity, found.acceleration, _whole(simulated)),
     )
     return motion, found

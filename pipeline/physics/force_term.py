@@ -1,5 +1,6 @@
 """What terms of force against motion share: their units, and how they add to the force."""
 
+from dataclasses import replace
 from typing import ClassVar
 
 import numpy as np
@@ -55,6 +56,11 @@ def size(name: str, unit: str, most: float, around: Surroundings, usual: float =
     """A size from 0 to `most`; a correction to what the simulation says may also be negative."""
     low = -most if around.simulated else 0.0
     return Parameter(name, unit, low, most, usual * most, usual * most)
+
+
+def resistance(name: str, unit: str, most: float, around: Surroundings) -> Parameter:
+    """The size of a friction: only where the simulation has some may there be too much of it."""
+    return size(name, unit, most, replace(around, simulated=around.resisting))
 
 
 def per(around: Surroundings, seconds: int) -> str:

@@ -14,6 +14,10 @@ PER_SECOND = {
     "m/s": ("m", 1.0), "mm/s": ("mm", 1.0), "cm/s": ("cm", 1.0), "um/s": ("um", 1.0),
     "in/s": ("in", 1.0), "deg/s": ("deg", 1.0), "rad/s": ("rad", 1.0), "rpm": ("rev", 1.0 / 60.0),
 }  # fmt: skip
+RADIAN = {
+    "rad": 1.0, "mrad": 1e3, "deg": np.rad2deg(1.0), "°": np.rad2deg(1.0),
+    "rev": 0.5 / np.pi, "turn": 0.5 / np.pi, "turns": 0.5 / np.pi,
+}  # fmt: skip
 LOWER_TORQUE = "nm"
 
 

@@ -51,7 +51,8 @@ class Surroundings:
     dwell_s: median time between samples. start_s, end_s: first and last time. cycles: how many.
     other_span, other_unit: range and unit of each other command. top_speed, top_acceleration: of
     the drive where a force is measured against it [drive unit/s, /s^2]; the angle is then the
-    force, and `simulated` says whether the simulation has a force at all.
+    force, and `simulated` says whether the simulation has a force at all, `resisting` whether that
+    has a part that goes by the speed.
     """
 
     drive_span: float = 120.0
@@ -71,6 +72,7 @@ class Surroundings:
     top_speed: float = 0.0
     top_acceleration: float = 0.0
     simulated: bool = False
+    resisting: bool = False
 
     @property
     def period_s(self) -> float:

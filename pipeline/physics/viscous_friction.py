@@ -6,7 +6,7 @@ import numpy as np
 from numba import njit
 
 from pipeline.physics.decay import decayed
-from pipeline.physics.force_term import ASYMMETRY, ForceTerm, both_ways, per, size
+from pipeline.physics.force_term import ASYMMETRY, ForceTerm, both_ways, per, resistance
 from pipeline.physics.motion import Kinetics, Motion
 from pipeline.physics.pre_sliding import weighted
 from pipeline.physics.term import Parameter, Surroundings
@@ -22,26 +22,50 @@ def relaxation_of(around: Surroundings) -> Parameter:
                      relative=True)  # fmt: skip
 
 
+def square_of(around: Surroundings) -> Parameter:
+    """What the square of the speed adds; less than nothing would be another law of friction."""
+    top = max(around.top_speed, 1e-12)
+    most, usual = 4.0 * around.angle_span / top**2, 0.2 * around.angle_span / top**2
+    unit = f"{around.angle_unit} s^2/{around.drive_unit}^2"
+    return Parameter("square", unit, 0.0, most, usual, usual)
+
+
 class ViscousFriction(ForceTerm):
     """F = damping * v.
 
     Form "asymmetric" differs for the two directions: damping * v (1 + asymmetry sgn v). Form
-    "sprung" has a spring of damping / relaxation in series: F + relaxation F' = damping * v, as oil
-    that gives, a soft mount, rubber. Source: Stokes (1851); one coefficient for each direction as
-    in Hamon, Gautier and Garrec, IROS 2010; Maxwell, Phil. Trans. 157 (1867) 49 (sprung).
+    "square" is (damping + square |v|) v, as of oil in an orifice, or of the air; "asymmetric
+    square" is both. Form "sprung" has a spring of damping / relaxation in series: F + relaxation F'
+    = damping * v, as oil that gives, a soft mount, rubber. Source: Stokes (1851); one coefficient
+    for each direction as in Hamon, Gautier and Garrec, IROS 2010; Newton (1687; square); Maxwell,
+    Phil. Trans. 157 (1867) 49 (sprung).
     """
 
     name = "viscous_friction"
     directed = True
-    grows: ClassVar = {"": ("asymmetric",)}
+    grows: ClassVar = {
+        "": ("asymmetric", "square"),
+        "asymmetric": ("asymmetric square",),
+        "square": ("asymmetric square",),
+    }
     says = "Friction that grows with the speed holds back by {damping}."
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
         most = 4.0 * around.angle_span / max(around.top_speed, 1e-12)
-        own = size("damping", per(around, 1), most, around)
+        own = resistance("damping", per(around, 1), most, around)
         if self.form == "sprung":
             return (own, relaxation_of(around))
-        return (own, ASYMMETRY) if self.form == "asymmetric" else (own,)
+        asymmetry = (ASYMMETRY,) if "asymmetric" in self.form else ()
+        square = (square_of(around),) if "square" in self.form else ()
+        return (own, *asymmetry, *square)
+
+    def asymmetry(self, values: np.ndarray) -> float:
+        """How much more it holds back while the position rises."""
+        return float(values[1]) if "asymmetric" in self.form else 0.0
+
+    def square(self, values: np.ndarray) -> float:
+        """The force by the square of the speed."""
+        return float(values[-1]) if "square" in self.form else 0.0
 
     def force(
         self, motion: Motion, kinetics: Kinetics, values: np.ndarray, state: np.ndarray | None
@@ -49,8 +73,8 @@ class ViscousFriction(ForceTerm):
         if self.form == "sprung":
             pulled, after = _sprung(motion.drive, motion.time_s, float(values[1]), state)
             return values[0] * pulled, after
-        asymmetry = float(values[1]) if len(values) > 1 else 0.0
-        return values[0] * weighted(kinetics.velocity, asymmetry), state
+        v, square = kinetics.velocity, self.square(values)
+        return weighted((values[0] + square * np.abs(v)) * v, self.asymmetry(values)), state
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
         found = super().candidates(motion, around)
@@ -59,13 +83,27 @@ class ViscousFriction(ForceTerm):
             found[:, 1] = np.array(SHARES) * around.period_s
         return found
 
+    def scaled(self, values: np.ndarray, factor: float) -> np.ndarray:
+        out = super().scaled(values, factor)
+        if "square" in self.form:
+            out[-1] *= factor
+        return out
+
+    def void(self, values: np.ndarray) -> bool:
+        return bool(values[0] == 0.0 and self.square(values) == 0.0)
+
     def sentence(self, values: np.ndarray, around: Surroundings) -> str:
         told = "Friction that grows with the speed holds back by"
         if self.form == "sprung":
             size = both_ways(float(values[0]), 0.0, per(around, 1))
             return f"{told} {size} behind a spring that it lets go of in {values[1]:.3g} s."
-        asymmetry = float(values[1]) if len(values) > 1 else 0.0
-        return f"{told} {both_ways(float(values[0]), asymmetry, per(around, 1))}."
+        asymmetry = self.asymmetry(values)
+        ways = both_ways(float(values[0]), asymmetry, per(around, 1))
+        if "square" not in self.form:
+            return f"{told} {ways}."
+        unit = self.parameters(around)[-1].unit
+        by_square = f"{both_ways(self.square(values), asymmetry, unit)} with its square"
+        return f"{told} {by_square if values[0] == 0.0 else f'{ways}, and by {by_square}'}."
 
 
 def _sprung(

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pipeline.physics.catalogue import SPRUNG, force_terms, richer, term
+from pipeline.physics.catalogue import LATE, SPRUNG, force_terms, richer, term
 from pipeline.physics.differentiation import differentiate
 from pipeline.physics.mechanism import Mechanism, Piece
 from pipeline.physics.motion import Kinetics, Motion
@@ -16,7 +16,7 @@ AROUND = Surroundings(
     end_s=4.0, cycles=4, drive_unit="m", angle_unit="N", top_speed=0.6, top_acceleration=4.0,
 )  # fmt: skip
 OWN = [t for first in force_terms() for t in (first, *richer(first)) if t.site == "body" and t.adds]
-OWN.append(SPRUNG)
+OWN += (SPRUNG, LATE)
 
 
 def swing(amplitude=0.1, seconds=4.0):
@@ -45,6 +45,31 @@ def test_forces_are_what_their_equations_say():
     np.testing.assert_allclose(
         answer("viscous_friction", "asymmetric", [3.0, 0.2], m), both * v, atol=1e-12
     )
+    np.testing.assert_allclose(
+        answer("viscous_friction", "square", [3.0, 4.0], m), (3.0 + 4.0 * np.abs(v)) * v, atol=1e-12
+    )
+    lower = answer("contact", "lower buffer", [7.0, -0.06, 1e-6], m)
+    np.testing.assert_allclose(lower, 7.0 * np.minimum(m.drive + 0.06, 0.0), atol=1e-5)
+    np.testing.assert_allclose(
+        answer("gravity", "force", [5.0, 0.3], replace(m, radian=0.02)),
+        5.0 * np.sin(m.drive / 0.02 + 0.3),
+        atol=1e-12,
+    )
+    np.testing.assert_allclose(
+        answer("transmission_ripple", "force", [5.0, 0.03, 0.3], m),
+        5.0 * np.sin(2.0 * np.pi * m.drive / 0.03 + 0.3),
+        atol=1e-12,
+    )
+
+
+@pytest.mark.parametrize("time_constant_s", [0.003, 0.2])
+def test_a_force_behind_a_lag_follows_a_sine_late(time_constant_s):
+    m = swing()
+    pieces = [Piece(LATE, np.array([time_constant_s])), Piece(term("stiffness"), np.array([7.0]))]
+    force = Mechanism(pieces=pieces).respond(m)[0] - 3.0
+    lag = np.arctan(2.0 * np.pi * time_constant_s)
+    expected = 0.7 * np.cos(lag) * np.sin(2.0 * np.pi * m.time_s - lag)
+    np.testing.assert_allclose(force[2000:], expected[2000:], atol=1e-4)
 
 
 @pytest.mark.parametrize("relaxation_s", [0.003, 0.2])
@@ -143,7 +168,8 @@ def test_every_force_has_bounds_words_a_source_and_memory(physics):
     values = values_of(physics, AROUND, {})
     assert "{" not in physics.sentence(values, AROUND)
     assert "Source" in type(physics).__doc__
-    mechanism = Mechanism(pieces=(Piece(physics, values),))
+    beside = () if physics.adds else (Piece(term("stiffness"), np.array([7.0])),)
+    mechanism = Mechanism(pieces=(Piece(physics, values), *beside))
     whole = mechanism.respond(m)[0]
     assert np.std(whole) > 1e-3
     parts, state = [], None

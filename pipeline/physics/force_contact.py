@@ -1,0 +1,60 @@
+"""Contact of a force against motion: a second spring that is met at a position."""
+
+import numpy as np
+
+from pipeline.physics.contact import SIDES
+from pipeline.physics.force_term import ForceTerm, per
+from pipeline.physics.motion import Kinetics, Motion
+from pipeline.physics.term import Parameter, Surroundings
+
+BUFFER = "buffer"
+SHARES = (0.02, 0.06, 0.12, 0.2, 0.3, 0.45)
+STEEPEST = 50.0
+SKIN = 0.01
+
+
+class ForceContact(ForceTerm):
+    """F = side * stiffness * skin * log(1 + exp(side * (x - position) / skin)).
+
+    A spring that pushes only beyond a position: a buffer, a bump stop. Forms "upper buffer" and
+    "lower buffer" are its sides. Source: unilateral spring.
+    """
+
+    name = "contact"
+    says = "Beyond {position} on one side it touches a spring of {stiffness} more."
+
+    def __init__(self, form: str = f"{SIDES[0]} {BUFFER}") -> None:
+        self.form = form
+
+    @property
+    def side(self) -> float:
+        """1 of the upper side, -1 of the lower one."""
+        return 1.0 if self.form.startswith(SIDES[0]) else -1.0
+
+    def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
+        span, unit = max(around.drive_span, 1e-12), around.drive_unit
+        low, usual = around.drive_low, around.angle_span / span
+        return (
+            Parameter("stiffness", per(around, 0), 0.0, STEEPEST * usual, usual, usual),
+            Parameter("position", unit, low, low + span, low + (0.5 + 0.3 * self.side) * span, 0.0),
+            Parameter("skin", unit, 1e-3 * span, 0.06 * span, SKIN * span, SKIN * span),
+        )
+
+    def force(
+        self, motion: Motion, kinetics: Kinetics, values: np.ndarray, state: np.ndarray | None
+    ) -> tuple[np.ndarray, np.ndarray | None]:
+        stiffness, position, skin = values
+        depth = np.logaddexp(0.0, self.side * (motion.drive - position) / skin)
+        return self.side * stiffness * skin * depth, state
+
+    def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
+        own = [p.start for p in self.parameters(around)]
+        end = around.drive_low + (0.5 + 0.5 * self.side) * around.drive_span
+        places = [end - self.side * share * around.drive_span for share in SHARES]
+        return np.array([[own[0], place, own[2]] for place in places])
+
+    def sentence(self, values: np.ndarray, around: Surroundings) -> str:
+        """The position with its sign: it has a side."""
+        way = "Above" if self.side > 0.0 else "Below"
+        at = f"{values[1]:.3g} {around.drive_unit}"
+        return f"{way} {at} it touches a spring of {values[0]:.3g} {per(around, 0)} more."

@@ -1,0 +1,81 @@
+"""Forces that come again over the position: a weight that turns, magnets, teeth."""
+
+import numpy as np
+
+from pipeline.physics.force_term import ForceTerm
+from pipeline.physics.force_units import RADIAN
+from pipeline.physics.motion import Kinetics, Motion
+from pipeline.physics.term import Parameter, Surroundings
+
+FEWEST_WAVES, MOST_WAVES, FINEST = 3.0, 60.0, 0.5
+LEAST_TURN = 0.1
+PHASE = Parameter("phase", "rad", -4.0 * np.pi, 4.0 * np.pi, 0.0, 0.0)
+PHASES = np.arange(4) * np.pi / 4.0
+AGAIN = "force"
+
+
+class ForceWave(ForceTerm):
+    """F = size * sin(2 pi x / period + phase); the phase is the last parameter."""
+
+    form = AGAIN
+
+    def scaled(self, values: np.ndarray, factor: float) -> np.ndarray:
+        out = super().scaled(values, abs(factor))
+        if factor < 0.0:
+            out[-1] += np.pi
+        return out
+
+
+class ForceGravity(ForceWave):
+    """F = moment * sin(x + phase), x an angle. Source: static moment of a pendulum."""
+
+    name = "gravity"
+    says = "A weight that is turned pulls by up to {moment}, depending on how it hangs."
+
+    def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
+        most = 4.0 * around.angle_span
+        own = Parameter("moment", around.angle_unit, 0.0, most, 0.1 * most, 0.1 * most)
+        return own, PHASE
+
+    def force(
+        self, motion: Motion, kinetics: Kinetics, values: np.ndarray, state: np.ndarray | None
+    ) -> tuple[np.ndarray, np.ndarray | None]:
+        return values[0] * np.sin(motion.drive / motion.radian + values[1]), state
+
+    def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
+        own = self.parameters(around)[0].start
+        return np.array([[own, phase] for phase in PHASES])
+
+    def excited(self, motion: Motion, around: Surroundings) -> bool:
+        least = LEAST_TURN * 2.0 * np.pi * RADIAN.get(around.drive_unit, np.inf)
+        return super().excited(motion, around) and around.drive_span > least
+
+
+class ForceRipple(ForceWave):
+    """F = amplitude * sin(2 pi x / period + phase), as of magnets (cogging) or of a screw's turns.
+
+    What comes again less than FEWEST_WAVES times is no ripple to be seen. Source: cogging torque,
+    e.g. Hanselman, Brushless Permanent Magnet Motor Design (2003).
+    """
+
+    name = "transmission_ripple"
+    says = "The force swells and ebbs by {amplitude}, again and again every {period}."
+
+    def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
+        span, force = around.drive_span, around.angle_span
+        longest, shortest = span / FEWEST_WAVES, 0.5 * span / MOST_WAVES
+        return (
+            Parameter("amplitude", around.angle_unit, 0.0, force, 0.05 * force, 0.05 * force),
+            Parameter("period", around.drive_unit, shortest, longest, longest, 0.0),
+            PHASE,
+        )
+
+    def force(
+        self, motion: Motion, kinetics: Kinetics, values: np.ndarray, state: np.ndarray | None
+    ) -> tuple[np.ndarray, np.ndarray | None]:
+        return values[0] * np.sin(2.0 * np.pi * motion.drive / values[1] + values[2]), state
+
+    def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
+        size, span = self.parameters(around)[0].start, around.drive_span
+        waves = np.arange(FEWEST_WAVES, MOST_WAVES, FINEST)
+        return np.array([[size, span / wave, phase] for wave in waves for phase in PHASES])
