@@ -221,7 +221,7 @@ def evidence_of(
         train=problem.train,
         heldout=problem.heldout,
         used=np.isfinite(problem.measured) & np.isfinite(problem.simulated) & ~outliers,
-        before=problem.simulated,
+        before=problem.simulated if problem.still is None else problem.still,
         after=after,
         deviation=deviation,
         noise=model.noise,

@@ -30,7 +30,7 @@ def notes(
             f"is more than {FAR_OFF:.0f} tolerances off: check it, or declare "
             "`diagnosis.tolerance`."
         )
-    out += free_gain_note(problem, best)
+    out += still_note(problem, best) or free_gain_note(problem, best)
     out += start_note(best.fit)
     out += doubled_note(evidence.recording)
     out += sample_notes(problem)
@@ -109,6 +109,19 @@ def free_gain_note(problem: Problem, best: Choice) -> list[str]:
     return [
         f"The simulation's gain is {gain:.3g}: it was left free, as the simulation was fitted to "
         "this measurement, or jumps with the direction as rigid friction does."
+    ]
+
+
+def still_note(problem: Problem, best: Choice) -> list[str]:
+    """That the simulation does not move, and what stands in its place."""
+    if problem.still is None or not problem.static:
+        return []
+    unit, drive = f"{problem.around.angle_unit}/{problem.around.drive_unit}", problem.motion.drive
+    gain = float(best.fit.nuisance[0] * np.ptp(problem.simulated) / np.ptp(drive))
+    sign = np.sign(np.polyfit(drive, problem.simulated, 1)[0])
+    return [
+        f"The simulation does not move: a line in {problem.drive} stands in its place, whose gain "
+        f"({sign * gain:.3g} {unit}) and zero were fitted beside the names."
     ]
 
 

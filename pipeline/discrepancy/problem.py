@@ -9,6 +9,7 @@ import numpy as np
 from pipeline.config import DiagnosisConfig, HeldoutConfig, ToleranceConfig
 from pipeline.discrepancy.counts import uncounted
 from pipeline.discrepancy.fitted import tolerance_of_fit
+from pipeline.discrepancy.line import line_in_a_command, own_commands
 from pipeline.discrepancy.rough import unroughened
 from pipeline.discrepancy.stale import NONE_STALE, StaleSamples, hung_samples, stale_samples
 from pipeline.errors import LoopgapError, refusal
@@ -127,7 +128,8 @@ class Problem:
     derivatives: of the position that a force is measured against. delay: by how much that force was
     recorded later than its motion. counted: the step of the encoder that counted the drive, see
     `counts.py`; rough: the noise of one that was measured, see `rough.py`; 0.0 of another. stale:
-    which samples say again what the one before said.
+    which samples say again what the one before said. still: the simulation as it came, where that
+    does not move and a line in a command stands in its place.
     """
 
     motion: Motion
@@ -147,6 +149,7 @@ class Problem:
     counted: float = 0.0
     rough: float = 0.0
     stale: StaleSamples = NONE_STALE
+    still: np.ndarray | None = None
 
     @property
     def cycle(self) -> np.ndarray:
@@ -208,6 +211,11 @@ def pose_problem(
     heldout = held_out_rows(config.heldout, motion, known)
     train = known & ~heldout
     refuse_unfit(config.heldout, measurement, train, known & heldout)
+    still = None
+    if not np.ptp(simulated[known]) > 0.0:
+        line = line_in_a_command(own_commands(recording, measurement), measured, train)
+        still, simulated = simulated, simulated if line is None else line[0]
+        motion, curve, drive, static = driven_by(recording, measurement, simulated)
     counted = rough = 0.0
     if static:
         seen = np.where(train, measured, np.nan)
@@ -221,7 +229,7 @@ def pose_problem(
         curve = straightened(curve, motion.drive)
     return Problem(
         motion, curve, measured, simulated, train, known & heldout, around, tolerance,
-        drive, static, counted=counted, rough=rough, stale=stale,
+        drive, static, counted=counted, rough=rough, stale=stale, still=still,
     )  # fmt: skip
 
 

@@ -57,7 +57,9 @@ def describe(
     ground, unit = scene.ground, scene.drive_unit
     if name == "command":
         label = f"command [{unit}]"
-        words = curve_words(ground.drive, own, ground.position, f"{unit} of command")
+        words = _straight_words(fitted, ground) or curve_words(
+            ground.drive, own, ground.position, f"{unit} of command"
+        )
         return words, _picture(ground.drive, own, label, scene)
     if name in ("direction", "travel"):
         other = said.get("travel" if name == "direction" else "direction", 0.0)
@@ -110,6 +112,24 @@ def _picture(
             centre, mean, _ = binned(x[rows], y[rows], PICTURE_BINS)
             curves[name] = np.column_stack([centre, mean])
     return Profile(label, f"residual [{scene.unit}]", curves)
+
+
+def _straight_words(fitted: np.ndarray, ground: Ground) -> str:
+    """Words for what is a line in the command beside one in the simulation; "" where it is none.
+
+    A simulation that is late or early is off by what it still has to go, or has gone too far.
+    """
+    one = np.ones(len(fitted))
+    beside = np.column_stack([one, np.nan_to_num(ground.position)])
+    line = ground.drive[:, None]
+    if least_squares_share(line, fitted, beside, one) < CLEAR:
+        return ""
+    if not np.ptp(ground.position) > 0.0:
+        return "in step with the command"
+    slope = np.linalg.lstsq(np.column_stack([line, beside]), fitted, rcond=None)[0][0]
+    late = slope * np.polyfit(ground.drive, beside[:, 1], 1)[0] > 0.0
+    how = "later" if late else "earlier"
+    return f"in step with the command, which the simulation follows {how} than the measurement"
 
 
 def _loop_words(loop: np.ndarray, fades: bool, scene: Scene) -> str:

@@ -11,6 +11,7 @@ import numpy as np
 import pandas as pd
 
 from pipeline.config import HeldoutConfig, SimulatedAxis, SimulationConfig
+from pipeline.discrepancy.line import FEWEST, line_in_a_command
 from pipeline.discrepancy.problem import held_out_rows
 from pipeline.errors import LoopgapError, UsageError, refusal
 from pipeline.physics.assembly import pieces_of
@@ -23,7 +24,6 @@ from pipeline.recording import CONTEXT_COLUMNS, Channel, Recording
 from pipeline.stages.force_simulation import force_answer
 
 OTHERS = "simulation=identity, affine, trace, mechanism or python"
-FEWEST = 10
 LONG_S = 10.0
 
 
@@ -112,23 +112,15 @@ def _affine(recording: Recording, channel: Channel, heldout: HeldoutConfig) -> n
     measured = recording.values(channel.name)
     known = np.isfinite(measured)
     rows = known & ~held_out_rows(heldout, motion, known)
-    best: tuple[float, np.ndarray] | None = None
-    for command in recording.with_role("command"):
-        values = recording.values(command.name)
-        if rows.sum() < FEWEST or np.ptp(values[rows]) == 0.0:
-            continue
-        gain, offset = np.polyfit(values[rows], measured[rows], 1)
-        answer = gain * values + offset
-        error = float(np.mean((measured - answer)[rows] ** 2))
-        if best is None or error < best[0]:
-            best = (error, answer)
+    commands = {c.name: recording.values(c.name) for c in recording.with_role("command")}
+    best = line_in_a_command(commands, measured, rows)
     if best is None:
         raise LoopgapError(
             refusal(f"simulation=affine of {channel.name!r}",
                     f"a command that moves over at least {FEWEST} measured rows", "none",
                     "Record motion, or give a simulation channel.")
         )  # fmt: skip
-    return best[1]
+    return best[0]
 
 
 def _resampled(trace: pd.DataFrame, recording: Recording, name: str) -> np.ndarray:

@@ -242,3 +242,22 @@ def test_cauchy_combination_of_one_is_itself_and_small_ones_count() -> None:
 def test_an_order_of_cycles_is_surer_than_a_shuffle() -> None:
     assert order_p_value(np.array([0.0, 0.1, 0.0, 0.1, 3.0, 3.1, 3.0, 3.1, 3.0])) < 0.002
     assert order_p_value(np.array([0.0, 3.0, 0.1, 3.1, 0.0, 3.0, 0.1, 3.1, 0.0])) > 0.2
+
+
+def test_a_simulation_that_comes_late_or_early_leaves_a_line_in_the_command():
+    time_s = 0.01 * np.arange(3000)
+
+    def at(late_s: float) -> np.ndarray:
+        t = time_s - late_s
+        return 15.0 * np.sin(0.4 * np.pi * t) + 8.0 * np.sin(1.06 * np.pi * t + 1.0)
+
+    motion = Motion(at(0.0), time_s, np.zeros(3000, dtype=np.int64))
+    rough = 0.05 * np.random.default_rng(2).standard_normal(3000)
+    for sign in (1.0, -1.0):
+        for came, simulated, how in ((0.0, 0.15, "later"), (0.3, 0.1, "earlier")):
+            off = sign * (at(came) - at(simulated)) + rough
+            first = locate(off, motion, sign * at(simulated), "deg", "deg")[0]
+            assert first.coordinate == "command"
+            assert f"which the simulation follows {how} than" in str(first.where)
+    still = locate(at(0.0) + rough, motion, np.zeros(3000), "deg", "deg")[0]
+    assert still.where == "in step with the command"

@@ -40,6 +40,21 @@ def test_a_constant_command_names_nothing_that_moves():
     assert "backlash" in diagnosis.not_excited
 
 
+def test_a_simulation_that_does_not_move_gives_way_to_a_line():
+    recording = recorded({"backlash": {"width": 6.0}}, seed=4)
+    diagnosis = diagnosed(changed(recording, **{SIMULATED: 0.0})).diagnoses[0]
+    found = {p.name: p for p in diagnosis.physics}
+    width = found["backlash"].parameters[0]
+    assert width.value == pytest.approx(6.0, abs=0.5)
+    assert diagnosis.before.heldout_rmse > 20.0
+    assert diagnosis.after.heldout_rmse < 1.2 * NOISE
+    assert any("does not move" in note for note in diagnosis.notes)
+    noise = recording.values(ANGLE) - recording.values(ANGLE).mean()
+    noise = np.random.default_rng(5).permutation(noise) * NOISE / np.std(noise)
+    nothing = diagnosed(changed(recording, **{SIMULATED: 0.0, ANGLE: noise})).diagnoses[0]
+    assert nothing.verdict == "no_mismatch"
+
+
 @pytest.mark.parametrize("rows", [slice(0, 120), slice(0, 240), slice(0, 90)])
 def test_few_cycles_give_an_answer(rows):
     recording = recorded({"backlash": {"width": 6.0}}, seed=3)
