@@ -12,6 +12,7 @@ from pipeline.physics.catalogue import term
 
 FEWEST = 3
 CREDIBLE, NEARLY_ALL = 3.0, 0.8
+FAR = 10.0
 Z, SURELY = 1.96, 0.97
 AGAIN = "In {share:.2g} of the samples the sensor says again what it said in the one before."
 STALE = (
@@ -21,11 +22,18 @@ STALE = (
 
 
 def mistaken_frames(
-    explanation: Explanation, evidence: Evidence, taken: Container[str]
+    explanation: Explanation, evidence: Evidence, taken: Container[str], unexplained: bool
 ) -> NamedPhysics | None:
-    """Frames that are mistaken, or stale where no name taken says so; None where too few are."""
+    """Frames that are mistaken, or stale where no name taken says so; None where too few are.
+
+    unexplained: whether a structured rest is left: of that a few samples stand off as well, but by
+    less than FAR times the noise.
+    """
     found = share_and_size(explanation)
     if found is None:
+        return None
+    noise = explanation.choices[0].fit.ground.noise.deviation
+    if unexplained and found[1].value < FAR * noise:
         return None
     name = "frame_lag" if stale(explanation) and "frame_lag" not in taken else "marker_outliers"
     off, heldout = evidence.measured - evidence.after, evidence.heldout

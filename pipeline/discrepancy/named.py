@@ -39,10 +39,12 @@ def named_physics(
         out[found.name] = found if before is None else together(before, found)
     force = explanation.problem.motion.kinetics is not None
     beside = [stale_now_and_then(explanation.problem, evidence)]
-    if not (structure.found or force):
+    if not force:
         told = {*out, *(b.name for b in beside if b is not None)}
-        beside.append(zero_of_each_cycle(explanation.problem, best, evidence))
-        beside.append(mistaken_frames(explanation, evidence, told))
+        if not structure.found:
+            beside.append(zero_of_each_cycle(explanation.problem, best, evidence))
+        if out or not structure.found:
+            beside.append(mistaken_frames(explanation, evidence, told, structure.found))
     for own in beside:
         if own is not None:
             out.setdefault(own.name, own)

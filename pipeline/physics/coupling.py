@@ -7,7 +7,7 @@ from pipeline.physics.balance import Load
 from pipeline.physics.motion import Motion
 from pipeline.physics.term import Parameter, Surroundings, Term
 
-WITH_PLAY = "/play"
+WITH_PLAY, DIRECT = "/play", "/direct"
 
 
 class Coupling(Term):
@@ -17,7 +17,8 @@ class Coupling(Term):
     play operator of `width`: what the other wire drags along until it slips. drag = -gain is a
     coupling through a wire that has play itself, gain = 0 a coupling by that wire's friction alone.
     In the balance, so that friction, slack and contact answer to it; a free joint moves by as much,
-    times the slope of its curve there over the mean one: the wires are pulled.
+    times the slope of its curve there over the mean one: the wires are pulled. Form
+    "channel/direct": whatever the curve, by as much: the joint itself is turned, as by its mount.
     Source: wires of one joint that run through another, first two terms of the power series; play
     operator as in `backlash.py`, v - P(v) is its stop operator (Brokate and Sprekels, Hysteresis
     and Phase Transitions (1996), section 2.3).
@@ -34,11 +35,12 @@ class Coupling(Term):
 
     def __init__(self, form: str = "") -> None:
         self.form = form
-        self.channel = form.removesuffix(WITH_PLAY)
+        self.channel = form.removesuffix(WITH_PLAY).removesuffix(DIRECT)
         self.plays = form.endswith(WITH_PLAY)
 
     def richer(self) -> tuple[Term, ...]:
-        return () if self.plays else (Coupling(f"{self.form}{WITH_PLAY}"),)
+        plain = self.form == self.channel
+        return tuple(Coupling(f"{self.form}{how}") for how in (WITH_PLAY, DIRECT) if plain)
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
         span = max(around.other_span.get(self.channel, 2.0), 1e-9)
@@ -62,7 +64,7 @@ class Coupling(Term):
         other = motion.others[self.channel]
         pushed = other * (values[0] + values[1] * other)
         if not self.plays:
-            return Load(pushed=pushed)
+            return Load(pushed=pushed, direct=self.form.endswith(DIRECT))
         start = float(other[0]) if state is None else float(state[0])
         slipped = play(np.ascontiguousarray(other), 0.5 * float(values[3]), start)
         return Load(pushed=pushed + values[2] * (other - slipped), carried=slipped[-1:])

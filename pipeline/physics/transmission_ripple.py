@@ -12,22 +12,23 @@ from pipeline.physics.term import NO_STATE, Parameter, Surroundings, Term
 
 
 @njit(cache=True, fastmath=True, error_model="numpy")
-def rippled(drive, turn, amplitude, phase, further, later):  # type: ignore[no-untyped-def]
-    """drive + amplitude sin(turn drive + phase) + further sin(2 turn drive + later), (n,)."""
+def rippled(drive, turn, amplitude, phase, further, later, times):  # type: ignore[no-untyped-def]
+    """drive + amplitude sin(turn drive + phase) + further sin(times turn drive + later), (n,)."""
     out = np.empty(drive.size)
     for i in range(drive.size):
         angle = turn * drive[i]
         out[i] = drive[i] + amplitude * waved(angle + phase)[0]
     if further != 0.0:
         for i in range(drive.size):
-            out[i] += further * waved(2.0 * turn * drive[i] + later)[0]
+            out[i] += further * waved(times * turn * drive[i] + later)[0]
     return out
 
 
 class TransmissionRipple(Term):
     """x = u + a (sin(2 pi u / period + phase) - sin(phase)): the error counts from drive 0.
 
-    In the form "second" with its second harmonic too. In the forms "afloat" without - sin(phase):
+    In the form "second" with its second harmonic too, in the form "third" with its third, as teeth
+    that change over in steps leave it. In the forms "afloat" without - sin(phase):
     the zero was not taken where the drive is 0, and where the nominal curve bends that is more than
     an offset.
     A period that the drive does not run through at least once and a third is no ripple to be seen.
@@ -39,8 +40,8 @@ class TransmissionRipple(Term):
     site = "actuator"
     before_curve = True
     grows: ClassVar = {
-        "first": ("first afloat", "second", "second afloat"),
-        "first afloat": ("second afloat",),
+        "first": ("first afloat", "second", "second afloat", "third afloat"),
+        "first afloat": ("second afloat", "third afloat"),
         "second": ("second afloat",),
     }
     says = (
@@ -49,6 +50,7 @@ class TransmissionRipple(Term):
 
     def __init__(self, form: str = "first") -> None:
         self.form = form
+        self.times = {"second": 2, "third": 3}.get(form.removesuffix(" afloat"), 1)
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
         span, unit = around.drive_span, around.drive_unit
@@ -57,21 +59,21 @@ class TransmissionRipple(Term):
             Parameter("period", unit, 2.0 * around.step, 0.75 * span, 0.3 * span, 0.0),
             Parameter("phase", "rad", -4.0 * np.pi, 4.0 * np.pi, 0.0, 0.0),
         )
-        if "second" not in self.form:
+        if self.times == 1:
             return own
+        size, phase = f"amplitude_{self.times}", f"phase_{self.times}"
         return (
             *own,
-            Parameter("amplitude_2", unit, 0.0, 0.3 * span, 0.005 * span, 0.01 * span),
-            Parameter("phase_2", "rad", -4.0 * np.pi, 4.0 * np.pi, 0.0, 0.0),
+            Parameter(size, unit, 0.0, 0.3 * span, 0.005 * span, 0.01 * span),
+            Parameter(phase, "rad", -4.0 * np.pi, 4.0 * np.pi, 0.0, 0.0),
         )
 
     def respond(
         self, signal: np.ndarray, motion: Motion, values: np.ndarray, state: np.ndarray | None
     ) -> tuple[np.ndarray, np.ndarray]:
         amplitude, period, phase, further, later = (*values, 0.0, 0.0)[:5]
-        out = rippled(
-            np.ascontiguousarray(signal), 2.0 * np.pi / period, amplitude, phase, further, later
-        )
+        turn, times = 2.0 * np.pi / period, float(self.times)
+        out = rippled(np.ascontiguousarray(signal), turn, amplitude, phase, further, later, times)
         if "afloat" not in self.form:
             out -= amplitude * np.sin(phase) + further * np.sin(later)
         return out, NO_STATE
@@ -82,7 +84,7 @@ class TransmissionRipple(Term):
         waves = np.arange(1.4 / span, highest, 0.5 / span)
         phases = np.arange(4) * np.pi / 4.0
         rows = [[amplitude, 1.0 / f, p] for f in waves for p in phases]
-        if "second" in self.form:
+        if self.times > 1:
             second = [[0.3 * amplitude, p] for p in np.arange(4) * np.pi / 2.0]
             rows = [[*r, *s] for r in rows for s in second]
         return np.array(rows).reshape(len(rows), -1)
@@ -95,7 +97,7 @@ class TransmissionRipple(Term):
 
     def retold(self, starts: np.ndarray) -> np.ndarray:
         """Of two waves the long one may be the second harmonic of a longer one still."""
-        if "second" not in self.form:
+        if self.times != 2:
             return starts
         longer = starts[:, [3, 1, 4, 0, 2]] * [1.0, 2.0, 1.0, 1.0, 1.0]
         return np.vstack([starts, longer])
@@ -106,6 +108,6 @@ class TransmissionRipple(Term):
 
     def sentence(self, values: np.ndarray, around: Surroundings) -> str:
         """Of two waves the larger one is told."""
-        if "second" in self.form and values[3] > values[0]:
-            values = np.concatenate([[values[3], 0.5 * values[1]], values[2:]])
+        if self.times > 1 and values[3] > values[0]:
+            values = np.concatenate([[values[3], values[1] / self.times], values[2:]])
         return super().sentence(values, around)

@@ -73,6 +73,13 @@ def test_a_ripple_draws_no_bend_where_the_zero_was_not_taken_at_home():
     assert names(diagnosed(recorded(ripple, seed=11))) == {"transmission_ripple"}
 
 
+def test_a_ripple_with_flat_tops_draws_no_other_name():
+    flat = {"amplitude": 3.0, "period": 22.0, "phase": 1.5, "amplitude_3": 0.6, "phase_3": 4.5}
+    (found,) = diagnosed(recorded({"transmission_ripple/third afloat": flat}, seed=11)).diagnoses
+    (physics,) = found.physics
+    assert (physics.name, found.verdict) == ("transmission_ripple", "explained")
+
+
 def test_friction_and_creep_of_one_dwell_list_each_other():
     result = diagnosed(recorded({"friction": {"width": 3.0, "reach": 3.0}}, seed=4))
     physics = result.diagnoses[0].physics
@@ -117,6 +124,16 @@ def test_mistaken_frames_are_named_and_do_not_spoil_the_fit():
     assert names(result) == {"backlash", "marker_outliers"}
     assert value_of(result, "marker_outliers", "size").value == pytest.approx(9.0, abs=0.4)
     assert result.diagnoses[0].after.heldout_rmse < 1.15 * NOISE
+
+
+def test_mistaken_frames_are_named_beside_a_name_that_leaves_a_rest():
+    recording = recorded({"backlash": {"width": 9.0}}, seed=6)
+    odd = np.where(recording.values("cycle") % 2 == 1, 1.0, -1.0)
+    angle = recording.values(ANGLE) + 0.7 * odd * np.sin(recording.values("pitch_command_deg") / 4)
+    angle[::37] += 15.0
+    (found,) = diagnosed(changed(recording, **{ANGLE: angle})).diagnoses
+    assert found.verdict == "partly_explained"
+    assert [p.name for p in found.physics] == ["backlash", "marker_outliers"]
 
 
 def test_what_is_left_without_a_name_is_measured_against_the_noise_of_repeats():

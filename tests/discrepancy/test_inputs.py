@@ -13,6 +13,7 @@ from pipeline.discrepancy.model import ModelError, as_json, from_json
 from pipeline.discrepancy.noise import NoiseModel
 from pipeline.discrepancy.problem import pose_problem
 from pipeline.physics.coupling import Coupling
+from pipeline.physics.kinematics import CubicCurve
 from pipeline.physics.mechanism import Mechanism, Piece
 from pipeline.physics.motion import Motion
 from pipeline.physics.response_lag import ResponseLag
@@ -35,6 +36,23 @@ def test_a_coupling_through_a_wire_with_play_is_recovered():
     assert found["width"] == pytest.approx(12.0, rel=0.15)
     assert diagnosis.after.heldout_rmse < 1.1 * NOISE
     assert "yaw_command_deg" in physics.says
+
+
+def test_a_coupling_that_turns_the_joint_itself_draws_no_other_name():
+    hidden = {f"coupling/{YAW}/direct": {"gain": 0.25, "bend": 2e-3}}
+    (diagnosis,) = diagnose(DiagnosisConfig(), recorded(hidden, seed=4, two_axes=True)).diagnoses
+    (physics,) = diagnosis.physics
+    assert (physics.name, diagnosis.verdict) == ("coupling", "explained")
+    found = {e.name: e.value for e in physics.parameters}
+    assert found["gain"] == pytest.approx(0.255, rel=0.05)
+    assert found["bend"] == pytest.approx(2.04e-3, rel=0.1)
+
+
+def test_what_turns_the_joint_itself_does_so_wherever_the_curve_is():
+    motion = Motion(np.full(9, 40.0), np.arange(9.0), np.zeros(9, dtype=int), {YAW: np.arange(9.0)})
+    turned = Piece(Coupling(f"{YAW}/direct"), np.array([0.5, 0.1]))
+    answer = Mechanism(CubicCurve(0.7, 1e-4), (turned,)).respond(motion)[0]
+    assert answer[8] - answer[0] == pytest.approx(4.0 + 6.4, abs=1e-9)
 
 
 def test_a_wire_that_only_drags_along_pushes_by_no_more_than_its_half_width():
