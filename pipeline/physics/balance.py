@@ -113,9 +113,11 @@ def settle(
     if gravity != 0.0:
         pushed -= gravity * np.sin(zero)
     for one in loads:
+        if one.pushed is None:
+            continue
         if one.direct:
             pushed += one.pushed
-        elif one.pushed is not None:
+        else:
             pushed += curve(motion.drive + one.pushed / curve.slope) - curve(motion.drive)
     sliders, bristles, arms = len(load.slip), len(load.bristle), len(load.arm)
     carried = np.zeros(4 + sliders + bristles + arms) if state is None else state.copy()
