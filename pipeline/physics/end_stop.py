@@ -6,7 +6,7 @@ from pipeline.physics.balance import Load
 from pipeline.physics.motion import Motion
 from pipeline.physics.term import Parameter, Surroundings, Term
 
-HARDEST, USUAL, SOFTEST = 0.01, 0.02, 0.08
+HARDEST, USUAL, SOFTEST = 0.004, 0.02, 0.08
 
 
 class EndStop(Term):
