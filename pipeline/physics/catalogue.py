@@ -40,12 +40,16 @@ SPRUNG, LATE = ViscousFriction("sprung"), ForceLag()
 
 
 def terms(other_commands: Iterable[str] = ()) -> tuple[Term, ...]:
-    """Every term in the forms that a search begins with; a coupling for each other command."""
+    """Every term in the forms that a search begins with; a coupling for each other command.
+
+    Friction that the drive bends is no step from friction at the joint where that is held.
+    """
     return (
         LostSteps(),
         TransmissionRipple(),
         Backlash(),
         Friction(),
+        Friction("driven"),
         CapstanFriction(),
         CapstanFriction("capstan begun"),
         CapstanFriction("pretensioned"),

@@ -53,3 +53,15 @@ def test_what_correlated_noise_took_over_of_two_slips_is_theirs():
     (piece,) = best.fit.pieces
     assert best.place[0] == WHITE
     np.testing.assert_allclose(piece.values[[0, 2]], [1.64, 1.97], rtol=0.05)
+
+
+def test_friction_that_the_drive_bends_is_found_beside_the_stop_that_holds_the_joint():
+    hidden = {
+        "friction/driven": {"width": 3.8, "reach": 5.0, "release": 0.0},
+        "end_stop/upper": {"angle": 24.0},
+    }
+    best = explained(recorded(hidden, noise=0.2)).choices[0]
+    friction = next((p for p in best.fit.pieces if p.term.name == "friction"), None)
+    assert set(best.fit.names) == {"friction", "end_stop"}
+    assert friction is not None
+    np.testing.assert_allclose(friction.values[0], 3.8, rtol=0.05)
