@@ -6,7 +6,8 @@ import numpy as np
 
 from pipeline.discrepancy.hats import hats
 from pipeline.discrepancy.noise import NoiseModel
-from pipeline.discrepancy.problem import Averaged, Problem
+from pipeline.discrepancy.problem import Problem
+from pipeline.discrepancy.rows import Averaged
 from pipeline.physics.mechanism import Mechanism
 from pipeline.physics.motion import Kinetics
 from pipeline.physics.pre_sliding import sliding

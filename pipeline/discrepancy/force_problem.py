@@ -8,11 +8,11 @@ from pipeline.config import DiagnosisConfig
 from pipeline.discrepancy.fitted import resisting, tolerance_of_fit, tolerance_of_rigid
 from pipeline.discrepancy.problem import (
     MOST_ROWS,
-    Averaged,
     Problem,
     held_out_rows,
     refuse_unfit,
 )
+from pipeline.discrepancy.rows import Averaged
 from pipeline.discrepancy.stale import NONE_STALE, hung_samples
 from pipeline.physics.force_motion import force_motion
 from pipeline.physics.force_units import position_unit

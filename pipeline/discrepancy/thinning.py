@@ -4,8 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from pipeline.discrepancy.problem import MOST_ROWS, Picked, Problem
+from pipeline.discrepancy.problem import MOST_ROWS, Problem
 from pipeline.discrepancy.repeats import same_motions
+from pipeline.discrepancy.rows import Picked
 from pipeline.recording import reversals_of
 
 ALIKE = 4

@@ -1,0 +1,88 @@
+"""Rows to fit on in place of all samples: means over blocks of them, or some that were picked."""
+
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+
+from pipeline.physics.mechanism import Mechanism, Piece, Trace
+from pipeline.physics.motion import Motion
+
+MOST_KEPT = 500
+
+
+@dataclass(frozen=True)
+class Averaged:
+    """Rows that are means over blocks of `size` samples of a motion, its last few samples left out.
+
+    A mechanism works on every sample; its answers are averaged like the measurement: over samples
+    that are known, a mask (n,), where at least half of a block are. What a piece adds does not
+    depend on the others unless one changes the sum: then its means are kept.
+    """
+
+    motion: Motion
+    size: int
+    known: np.ndarray | None = None
+    kept: dict[tuple[str, str, bytes], np.ndarray] = field(default_factory=dict)
+
+    def mean(self, values: np.ndarray) -> np.ndarray:
+        """Block means of samples (n,); NaN where one is that counts."""
+        whole = len(values) // self.size
+        blocks = np.asarray(values[: whole * self.size]).reshape(whole, self.size)
+        counts = self.counts
+        if np.isnan(blocks).any():
+            blocks = np.where(counts > 0.0, blocks, 0.0)
+        return np.asarray(np.einsum("ij,ij->i", blocks, counts) / counts.sum(axis=1))
+
+    @cached_property
+    def counts(self) -> np.ndarray:
+        """1 of each sample that counts in the mean of its block, 0 of others, (rows, size)."""
+        whole = len(self.motion) // self.size
+        if self.known is None:
+            return np.ones((whole, self.size))
+        known = self.known[: whole * self.size].reshape(whole, self.size)
+        few = 2 * known.sum(axis=1, keepdims=True) < self.size
+        return np.where(known | few, 1.0, 0.0)
+
+    def trace(self, mechanism: Mechanism) -> Trace:
+        """The block means of what a mechanism does."""
+        if all(piece.term.adds for piece in mechanism.pieces):
+            simulated = self._added(None)
+            added = sum((self._added(piece) for piece in mechanism.pieces), 0.0 * simulated)
+            return Trace(simulated, simulated, simulated + added, {}, added)
+        trace = mechanism.trace(self.motion)
+        changed = None if trace.added is None else self.mean(trace.added)
+        asked, body, seen = (self.mean(x) for x in (trace.asked, trace.body, trace.seen))
+        return Trace(asked, body, seen, trace.state, changed)
+
+    def _added(self, piece: Piece | None) -> np.ndarray:
+        """Means of what a piece adds, (rows,); of the simulated force for None."""
+        term, values = (None, np.zeros(0)) if piece is None else (piece.term, piece.values)
+        key = ("", "", b"") if term is None else (term.name, term.form, values.tobytes())
+        if key not in self.kept:
+            if len(self.kept) > MOST_KEPT:
+                self.kept.clear()
+            if piece is None:
+                self.kept[key] = self.mean(Mechanism().trace(self.motion).seen)
+            else:
+                added = Mechanism(pieces=(piece,)).trace(self.motion).added
+                assert added is not None
+                self.kept[key] = self.mean(added)
+        return self.kept[key]
+
+
+@dataclass(frozen=True)
+class Picked:
+    """Rows (indices) that were picked of a motion's samples.
+
+    Terms that go by time answer on every sample: between picked rows the command is not held.
+    """
+
+    motion: Motion
+    rows: np.ndarray
+
+    def trace(self, mechanism: Mechanism) -> Trace:
+        """What a mechanism does in the picked rows."""
+        trace = mechanism.trace(self.motion)
+        asked, body, seen = (x[self.rows] for x in (trace.asked, trace.body, trace.seen))
+        return Trace(asked, body, seen, trace.state)
