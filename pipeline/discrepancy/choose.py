@@ -153,8 +153,9 @@ def choose(search: Search, ground: Ground) -> list[Choice]:
         before = min(c.score for c in found.values())
         level: dict[Key, Choice] = {}
         for parent in beam:
-            for child in extended(search, parent, skip=level):
-                level[child.fit.key] = child
+            for child in extended(search, parent):
+                if child.fit.key not in level or child.score < level[child.fit.key].score:
+                    level[child.fit.key] = child
         if not level:
             break
         beam = promising(list(level.values()), base.score, search.clear)
