@@ -62,7 +62,6 @@ class Load(NamedTuple):
     pretension: load beyond which one of two wires hangs slack and the other gives twice [angle].
     drag: viscous load over speed [s]: the time constant of a joint without other loads.
     pushed: (n,) load from outside that moves a free joint by as much [angle]; None where none.
-    direct: whether it does so wherever the joint is, or through the wires, as steep as the curve.
     carried: what the term must know to go on from the last sample.
     """
 
@@ -77,7 +76,6 @@ class Load(NamedTuple):
     pretension: float = np.inf
     drag: float = 0.0
     pushed: np.ndarray | None = None
-    direct: bool = False
     carried: np.ndarray = np.zeros(0)
 
 
@@ -113,11 +111,7 @@ def settle(
     if gravity != 0.0:
         pushed -= gravity * np.sin(zero)
     for one in loads:
-        if one.pushed is None:
-            continue
-        if one.direct:
-            pushed += one.pushed
-        else:
+        if one.pushed is not None:
             pushed += curve(motion.drive + one.pushed / curve.slope) - curve(motion.drive)
     sliders, bristles, arms = len(load.slip), len(load.bristle), len(load.arm)
     carried = np.zeros(4 + sliders + bristles + arms) if state is None else state.copy()

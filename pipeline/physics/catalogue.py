@@ -9,7 +9,7 @@ from pipeline.physics.capstan_friction import CapstanFriction
 from pipeline.physics.compliance import Compliance
 from pipeline.physics.contact import Contact
 from pipeline.physics.coulomb_friction import CoulombFriction
-from pipeline.physics.coupling import Coupling
+from pipeline.physics.coupling import DIRECT, Coupling
 from pipeline.physics.creep import Creep
 from pipeline.physics.drift import Drift
 from pipeline.physics.end_stop import EndStop
@@ -66,7 +66,7 @@ def terms(other_commands: Iterable[str] = ()) -> tuple[Term, ...]:
         Contact("lower"),
         EndStop("upper"),
         EndStop("lower"),
-        *(Coupling(name) for name in other_commands),
+        *(Coupling(f"{name}{how}") for name in other_commands for how in ("", DIRECT)),
         ResponseLag(),
         CameraTilt(),
         LensDistortion(),

@@ -5,7 +5,7 @@ import numpy as np
 from pipeline.physics.backlash import play
 from pipeline.physics.balance import Load
 from pipeline.physics.motion import Motion
-from pipeline.physics.term import Parameter, Surroundings, Term
+from pipeline.physics.term import NO_STATE, Parameter, Surroundings, Term
 
 WITH_PLAY, DIRECT = "/play", "/direct"
 
@@ -18,7 +18,7 @@ class Coupling(Term):
     coupling through a wire that has play itself, gain = 0 a coupling by that wire's friction alone.
     In the balance, so that friction, slack and contact answer to it; a free joint moves by as much,
     times the slope of its curve there over the mean one: the wires are pulled. Form
-    "channel/direct": whatever the curve, by as much: the joint itself is turned, as by its mount.
+    "channel/direct" is no load: what the joint stands on is turned by as much.
     Source: wires of one joint that run through another, first two terms of the power series; play
     operator as in `backlash.py`, v - P(v) is its stop operator (Brokate and Sprekels, Hysteresis
     and Phase Transitions (1996), section 2.3).
@@ -26,7 +26,6 @@ class Coupling(Term):
 
     name = "coupling"
     site = "body"
-    in_balance = True
     says = "The command {other} moves this one too, by {gain} of it."
     says_with_play = (
         "The command {other} moves this one too, by {gain} of it, and drags it along by {drag} of "
@@ -37,10 +36,10 @@ class Coupling(Term):
         self.form = form
         self.channel = form.removesuffix(WITH_PLAY).removesuffix(DIRECT)
         self.plays = form.endswith(WITH_PLAY)
+        self.in_balance = not form.endswith(DIRECT)
 
     def richer(self) -> tuple[Term, ...]:
-        plain = self.form == self.channel
-        return tuple(Coupling(f"{self.form}{how}") for how in (WITH_PLAY, DIRECT) if plain)
+        return (Coupling(f"{self.form}{WITH_PLAY}"),) if self.form == self.channel else ()
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
         span = max(around.other_span.get(self.channel, 2.0), 1e-9)
@@ -64,10 +63,16 @@ class Coupling(Term):
         other = motion.others[self.channel]
         pushed = other * (values[0] + values[1] * other)
         if not self.plays:
-            return Load(pushed=pushed, direct=self.form.endswith(DIRECT))
+            return Load(pushed=pushed)
         start = float(other[0]) if state is None else float(state[0])
         slipped = play(np.ascontiguousarray(other), 0.5 * float(values[3]), start)
         return Load(pushed=pushed + values[2] * (other - slipped), carried=slipped[-1:])
+
+    def respond(
+        self, signal: np.ndarray, motion: Motion, values: np.ndarray, state: np.ndarray | None
+    ) -> tuple[np.ndarray, np.ndarray]:
+        other = motion.others[self.channel]
+        return signal + other * (values[0] + values[1] * other), NO_STATE
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
         start = [self.parameters(around)[0].start, 0.0]

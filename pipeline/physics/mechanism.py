@@ -18,6 +18,7 @@ ORDER = (
     "tension_loss",
     "slack",
     "friction",
+    "coupling",
     "response_lag",
     "inertia",
     "coulomb_friction",

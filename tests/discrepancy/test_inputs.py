@@ -38,7 +38,7 @@ def test_a_coupling_through_a_wire_with_play_is_recovered():
     assert "yaw_command_deg" in physics.says
 
 
-def test_a_coupling_that_turns_the_joint_itself_draws_no_other_name():
+def test_a_coupling_that_turns_what_the_joint_stands_on_draws_no_other_name():
     hidden = {f"coupling/{YAW}/direct": {"gain": 0.25, "bend": 2e-3}}
     (diagnosis,) = diagnose(DiagnosisConfig(), recorded(hidden, seed=4, two_axes=True)).diagnoses
     (physics,) = diagnosis.physics
@@ -48,7 +48,19 @@ def test_a_coupling_that_turns_the_joint_itself_draws_no_other_name():
     assert found["bend"] == pytest.approx(2.04e-3, rel=0.1)
 
 
-def test_what_turns_the_joint_itself_does_so_wherever_the_curve_is():
+def test_a_coupling_that_is_no_load_leaves_a_slack_joint_where_it_hangs():
+    hidden = {
+        f"coupling/{YAW}/direct": {"gain": 0.1},
+        "slack/home": {"width": 4.0, "rounding": 0.1},
+    }
+    (diagnosis,) = diagnose(DiagnosisConfig(), recorded(hidden, seed=4, two_axes=True)).diagnoses
+    assert {p.name for p in diagnosis.physics} == {"coupling", "slack"}
+    assert diagnosis.verdict == "explained"
+    found = {e.name: e.value for p in diagnosis.physics for e in p.parameters}
+    assert found["width"] == pytest.approx(4.0, rel=0.05)
+
+
+def test_what_turns_the_mount_does_so_wherever_the_curve_is():
     motion = Motion(np.full(9, 40.0), np.arange(9.0), np.zeros(9, dtype=int), {YAW: np.arange(9.0)})
     turned = Piece(Coupling(f"{YAW}/direct"), np.array([0.5, 0.1]))
     answer = Mechanism(CubicCurve(0.7, 1e-4), (turned,)).respond(motion)[0]
