@@ -1,7 +1,8 @@
 """Choosing terms: a beam over sets, every parameter refitted."""
 
-from collections.abc import Container, Sequence
+from collections.abc import Callable, Container, Hashable, Sequence
 from dataclasses import dataclass, field, replace
+from typing import TypeVar
 
 import numpy as np
 
@@ -31,9 +32,11 @@ LAGGARD, CLEAR, HOPELESS = 0.3, 60.0, 0.1
 FAINT, BEHIND = 15.0, 0.5
 
 
+T = TypeVar("T")
 Key = frozenset[tuple[str, str]]
 Place = tuple[int, int, int]
 SLOW = ("lost_steps", "drift")
+HOLDING = ("slack", "contact", "end_stop")
 
 
 @dataclass(frozen=True)
@@ -194,7 +197,7 @@ def best_of_each(choices: Sequence[Choice]) -> list[Choice]:
 
 def promising(choices: Sequence[Choice], base: float, clear: float) -> list[Choice]:
     """The best few, but for those that gained much less than the best on an empty explanation."""
-    best, *rest = sorted(choices, key=lambda c: c.score)[:BEAM]
+    best, *rest = leading(sorted(choices, key=lambda c: c.score), BEAM, lambda c: kin_of(c.fit))
     gain = base - best.score
     near = [c for c in rest if base - c.score > LAGGARD * gain or gain < clear]
     return [best, *near]
@@ -218,10 +221,15 @@ def extended(
         for t in allowed(search.terms, parent.fit)
         if parent.fit.key | {(t.name, t.form)} not in skip
     ]
+    starts = [(start, terms) for start in (parent.fit, *begun)]
+    unloaded = outside(parent.fit)
+    if unloaded is not None:
+        starts.append((unloaded, [t for t in terms if t.name in HOLDING]))
     found: dict[Key, Fit] = {}
     unknown = not parent.fit.pieces and search.family.prior.repeats == 0
-    for start in (parent.fit, *begun):
-        groups = by_term(screen(start, search.effects, terms))[:branches]
+    for start, own in starts:
+        groups = by_term(screen(start, search.effects, own))
+        groups = leading(groups, branches, lambda few: (few[0].term.name, few[0].term.kin))
         for few in hopeful(groups, 0.0 if unknown else TERM_COST, search.clear):
             trial = improve(started(start, few), 3, start)
             if trial.cost > start.cost - TERM_COST:
@@ -256,7 +264,8 @@ def worthwhile(
     def hope(trial: Fit) -> float:
         return hopes[id(trial)]
 
-    few = [t for t in sorted(trials, key=hope, reverse=True)[:most] if hope(t) > -FAINT]
+    hoped = [t for t in sorted(trials, key=hope, reverse=True) if hope(t) > -FAINT]
+    few = leading(hoped, most, kin_of)
     own: dict[str, Fit] = {}
     for trial in sorted(slow, key=hope, reverse=True):
         own.setdefault(trial.names[-1], trial)
@@ -265,6 +274,33 @@ def worthwhile(
         best.setdefault(trial.key, trial)
     most_hoped = max(hopes.values(), default=0.0)
     return [t for t in best.values() if most_hoped < search.clear or hope(t) > BEHIND * most_hoped]
+
+
+def outside(fit: Fit) -> Fit | None:
+    """The fit with terms after the balance that are in it; None where none can be.
+
+    What holds the joint besides answers to them no more.
+    """
+    others = [p.term.outside() for p in fit.pieces]
+    if not any(others):
+        return None
+    pieces = [
+        p if other is None else replace(p, term=other)
+        for p, other in zip(fit.pieces, others, strict=True)
+    ]
+    moved = evaluate(fit.ground, pieces)
+    return improve(moved, 3) if any(p.term.in_balance for p in pieces) else moved
+
+
+def leading(items: Sequence[T], most: int, idea: Callable[[T], Hashable]) -> list[T]:
+    """The first items up to `most` different ideas, and all that are the same idea as one."""
+    ideas = set(list(dict.fromkeys(idea(item) for item in items))[:most])
+    return [item for item in items if idea(item) in ideas]
+
+
+def kin_of(fit: Fit) -> Key:
+    """The names of a fit's terms, forms that differ only beside what loads the joint as one."""
+    return frozenset((p.term.name, p.term.kin) for p in fit.pieces)
 
 
 def wanders(place: Place) -> bool:
@@ -290,8 +326,10 @@ def by_term(leads: Sequence[Lead]) -> list[list[Lead]]:
 def allowed(terms: Sequence[Term], fit: Fit) -> list[Term]:
     """Terms that may stand beside those of a fit: no name twice but for sides, no two plays.
 
-    A coupling may stand once for each command.
+    A coupling may stand once for each command. Where nothing holds the joint, what acts after the
+    balance is about as in it.
     """
+    held = any(p.term.name in HOLDING for p in fit.pieces)
     names = {p.term.name for p in fit.pieces}
     groups = {p.term.group for p in fit.pieces if p.term.group}
     keys = {(p.term.name, p.term.form) for p in fit.pieces}
@@ -300,6 +338,7 @@ def allowed(terms: Sequence[Term], fit: Fit) -> list[Term]:
         t
         for t in terms
         if (t.name, t.form) not in keys
+        and (held or t.before_curve or t.kin == t.form)
         and (t.name not in names or t.name in (*SIDED, Coupling.name))
         and not (t.group and t.group in groups)
         and not (isinstance(t, Coupling) and t.channel in coupled)

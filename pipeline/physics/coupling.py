@@ -38,8 +38,16 @@ class Coupling(Term):
         self.plays = form.endswith(WITH_PLAY)
         self.in_balance = not form.endswith(DIRECT)
 
+    @property
+    def kin(self) -> str:
+        return self.form.removesuffix(DIRECT)
+
+    def outside(self) -> Term | None:
+        return Coupling(f"{self.form}{DIRECT}") if self.form == self.channel else None
+
     def richer(self) -> tuple[Term, ...]:
-        return (Coupling(f"{self.form}{WITH_PLAY}"),) if self.form == self.channel else ()
+        plain = self.form == self.channel
+        return tuple(Coupling(f"{self.form}{how}") for how in (WITH_PLAY, DIRECT) if plain)
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
         span = max(around.other_span.get(self.channel, 2.0), 1e-9)

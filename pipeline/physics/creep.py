@@ -5,13 +5,9 @@ from typing import ClassVar
 import numpy as np
 
 from pipeline.physics.balance import Load
+from pipeline.physics.held import dwells, slewed
 from pipeline.physics.motion import Motion
 from pipeline.physics.term import Parameter, Surroundings, Term
-
-
-def dwells(motion: Motion, last_time: float) -> np.ndarray:
-    """Time that each command had before its sample was taken, (n,) [s]."""
-    return np.diff(motion.time_s, prepend=last_time)
 
 
 class Creep(Term):
@@ -19,12 +15,12 @@ class Creep(Term):
 
     In the balance, arm_j = s_j (theta - v_j), v_j' = (theta - v_j) / tau_j, with one or two arms.
     Of each motion of a free joint the `share` s / (1 + s) arrives late, with `time_constant` (1 +
-    s) tau. Source: standard linear solid (Zener); the command is held through each dwell.
+    s) tau. Form "whole", after the balance: as much of each motion arrives late whatever loads the
+    joint. Source: standard linear solid (Zener); the command is held through each dwell.
     """
 
     name = "creep"
     site = "transmission"
-    in_balance = True
     timed = True
     far_apart = True
     grows: ClassVar = {"one": ("two",)}
@@ -32,6 +28,14 @@ class Creep(Term):
 
     def __init__(self, form: str = "one") -> None:
         self.form = form
+        self.in_balance = form != "whole"
+
+    @property
+    def kin(self) -> str:
+        return "one" if self.form == "whole" else self.form
+
+    def outside(self) -> Term | None:
+        return Creep("whole") if self.form == "one" else None
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
         dwell = max(around.dwell_s, 1e-9)
@@ -54,6 +58,14 @@ class Creep(Term):
         arm[:, 0] = share / (1.0 - share)
         arm[:, 1] = time_constant * (1.0 - share)
         return Load(arm=arm)
+
+    def respond(
+        self, signal: np.ndarray, motion: Motion, values: np.ndarray, state: np.ndarray | None
+    ) -> tuple[np.ndarray, np.ndarray]:
+        time_s, at = (motion.time_s[0], signal[0]) if state is None else state
+        dwell, asked = dwells(motion, float(time_s)), np.ascontiguousarray(signal)
+        late = slewed(asked, dwell, float(values[1]), np.inf, float(at))
+        return signal + values[0] * (late - signal), np.array([motion.time_s[-1], late[-1]])
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
         dwell = max(around.dwell_s, 1e-9)

@@ -44,6 +44,10 @@ class Friction(Term):
         self.before_curve = form == "driven"
         self.in_balance = not self.before_curve
 
+    @property
+    def kin(self) -> str:
+        return "symmetric" if self.form == "driven" else self.form
+
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
         unit, driven = around.angle_unit, self.before_curve
         span = around.drive_span if driven else around.angle_span

@@ -18,6 +18,7 @@ ORDER = (
     "tension_loss",
     "slack",
     "friction",
+    "creep",
     "coupling",
     "response_lag",
     "inertia",

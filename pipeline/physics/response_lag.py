@@ -6,8 +6,8 @@ import numpy as np
 from numba import njit
 
 from pipeline.physics.balance import Load
-from pipeline.physics.creep import dwells
 from pipeline.physics.equilibrium import NEARBY, NEVER
+from pipeline.physics.held import dwells, slewed
 from pipeline.physics.motion import Motion
 from pipeline.physics.tabled import inlined
 from pipeline.physics.term import Parameter, Surroundings, Term
@@ -16,6 +16,7 @@ NEARLY_CRITICAL = 1e-6
 DENSE = 200
 SPEEDS = 8
 JUMP, RARE = 0.05, 0.2
+FIRST_ORDER = ("first", "whole")
 
 
 @inlined
@@ -72,24 +73,6 @@ def swung(signal, dwell, frequency, damping, moving, before, state):  # type: ig
     return out, np.array([x, v, before])
 
 
-@njit(cache=True)
-def slewed(signal, dwell, time_constant, top_speed, at):  # type: ignore[no-untyped-def]
-    """x' = (u - x) / time_constant, at most top_speed either way, u held: exact answer (n,)."""
-    out = np.empty(signal.size)
-    for i in range(signal.size):
-        left, way = dwell[i], signal[i] - at
-        beyond = abs(way) - top_speed * time_constant
-        if beyond > 0.0:
-            running = min(left, beyond / top_speed)
-            at += np.sign(way) * top_speed * running
-            left -= running
-        if left > 0.0:
-            fade = np.exp(-left / time_constant) if time_constant > 0.0 else 0.0
-            at = signal[i] - (signal[i] - at) * fade
-        out[i] = at
-    return out
-
-
 def usual_lag_s(around: Surroundings) -> float:
     """A lag that is usual: a dwell, or a small part of a cycle that is sampled densely [s]."""
     return max(around.dwell_s, around.period_s / DENSE, 1e-9)
@@ -99,7 +82,8 @@ class ResponseLag(Term):
     """x' = (u - x) / tau of a joint without other loads, for a command held through each dwell.
 
     A viscous drag in the balance (see `balance.py`): beside other loads the lag depends on them,
-    longer where the wires hang slack, shorter against a stop. Form "second", after the balance:
+    longer where the wires hang slack, shorter against a stop. Form "whole" is the same after the
+    balance: whatever loads the joint. Form "second", after the balance:
     x'' = w^2 (u - x) - 2 damping w x', w being `natural_frequency`; over the share `moving` of each
     dwell the command runs to its next value. Form "motor" is the same of the motor, before gears
     and wires: as of a servo that is late itself. Form "slewing" is a motor of first order that has
@@ -111,7 +95,7 @@ class ResponseLag(Term):
     site = "body"
     group = "lag"
     timed = True
-    grows: ClassVar = {"first": ("second", "motor", "slewing")}
+    grows: ClassVar = dict.fromkeys(FIRST_ORDER, ("second", "motor", "slewing"))
     says = "The whole motion comes late, with a time constant of {time_constant}."
     says_of_second = (
         "{who} swings after the command, with a natural frequency of {natural_frequency} and a "
@@ -127,6 +111,13 @@ class ResponseLag(Term):
         self.in_balance = form == "first"
         self.before_curve = form in ("motor", "slewing")
 
+    @property
+    def kin(self) -> str:
+        return "first" if self.form == "whole" else self.form
+
+    def outside(self) -> Term | None:
+        return ResponseLag("whole") if self.form == "first" else None
+
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
         dwell = max(around.dwell_s, 1e-9)
         longest, usual = max(30.0 * dwell, 0.15 * around.period_s), usual_lag_s(around)
@@ -136,7 +127,7 @@ class ResponseLag(Term):
             low, unit = 1e-4 * fastest, f"{around.drive_unit}/s"
             return late, Parameter("top_speed", unit, low, fastest, 1e-2 * fastest, 0.0,
                                    relative=True)  # fmt: skip
-        if self.form != "first":
+        if self.form not in FIRST_ORDER:
             low, high = 1.0 / longest, 6.0 / dwell
             return (
                 Parameter("natural_frequency", "rad/s", low, high, 1.0 / usual, 0.0),
@@ -154,8 +145,9 @@ class ResponseLag(Term):
         if state is None:
             state = np.array([motion.time_s[0], signal[0], 0.0, signal[0]])
         dwell, asked = dwells(motion, float(state[0])), np.ascontiguousarray(signal)
-        if self.form == "slewing":
-            out = slewed(asked, dwell, float(values[0]), float(values[1]), float(state[1]))
+        if self.form in ("whole", "slewing"):
+            top_speed = float(values[1]) if self.form == "slewing" else np.inf
+            out = slewed(asked, dwell, float(values[0]), top_speed, float(state[1]))
             return out, np.array([motion.time_s[-1], out[-1], 0.0, asked[-1]])
         frequency, damping, moving = (float(value) for value in values)
         out, last = swung(asked, dwell, frequency, damping, moving, float(state[3]), state[1:3])
@@ -168,7 +160,7 @@ class ResponseLag(Term):
             fastest = 2.0 * around.drive_span / dwell
             speeds = fastest * np.geomspace(2e-3, 0.25, SPEEDS)
             return np.array([[lag, speed] for lag in sorted(lags)[::2] for speed in speeds])
-        if self.form != "first":
+        if self.form not in FIRST_ORDER:
             paces = {k / unit for k in (0.15, 0.5, 1.5) for unit in (dwell, usual)}
             return np.array(
                 [
@@ -182,12 +174,12 @@ class ResponseLag(Term):
 
     def scaled(self, values: np.ndarray, factor: float) -> np.ndarray:
         """A lag of about `factor` times the size; a swing is as slow as its frequency is low."""
-        if self.form != "first":
+        if self.form not in FIRST_ORDER:
             return values.copy()
         return super().scaled(values, factor)
 
     def void(self, values: np.ndarray) -> bool:
-        return self.form == "first" and super().void(values)
+        return self.form in FIRST_ORDER and super().void(values)
 
     def excited(self, motion: Motion, around: Surroundings) -> bool:
         moves = around.drive_span > 0.0 and around.dwell_s > 0.0
@@ -197,7 +189,7 @@ class ResponseLag(Term):
         return moves and 0.0 < float(np.mean(jumps)) < RARE
 
     def sentence(self, values: np.ndarray, around: Surroundings) -> str:
-        if self.form == "first":
+        if self.form in FIRST_ORDER:
             return super().sentence(values, around)
         if self.form == "slewing":
             return self.says_of_slewing.format(

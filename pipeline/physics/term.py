@@ -110,6 +110,15 @@ class Term:
     def __init__(self, form: str = "") -> None:
         self.form = form or self.form
 
+    @property
+    def kin(self) -> str:
+        """The form that it is alike but beside what loads the joint: both are one idea."""
+        return self.form
+
+    def outside(self) -> "Term | None":
+        """This term after the balance, its parameters the same; None where there is none."""
+        return None
+
     def richer(self) -> tuple["Term", ...]:
         """This term in the forms that hold more."""
         return tuple(type(self)(form) for form in self.grows.get(self.form, ()))

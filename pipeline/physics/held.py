@@ -1,0 +1,29 @@
+"""A command that is held through each dwell, and what follows it with one time constant."""
+
+import numpy as np
+from numba import njit
+
+from pipeline.physics.motion import Motion
+
+
+def dwells(motion: Motion, last_time: float) -> np.ndarray:
+    """Time that each command had before its sample was taken, (n,) [s]."""
+    return np.diff(motion.time_s, prepend=last_time)
+
+
+@njit(cache=True)
+def slewed(signal, dwell, time_constant, top_speed, at):  # type: ignore[no-untyped-def]
+    """x' = (u - x) / time_constant, at most top_speed either way, u held: exact answer (n,)."""
+    out = np.empty(signal.size)
+    for i in range(signal.size):
+        left, way = dwell[i], signal[i] - at
+        beyond = abs(way) - top_speed * time_constant
+        if beyond > 0.0:
+            running = min(left, beyond / top_speed)
+            at += np.sign(way) * top_speed * running
+            left -= running
+        if left > 0.0:
+            fade = np.exp(-left / time_constant) if time_constant > 0.0 else 0.0
+            at = signal[i] - (signal[i] - at) * fade
+        out[i] = at
+    return out
