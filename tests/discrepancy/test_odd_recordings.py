@@ -7,6 +7,7 @@ import pytest
 
 from pipeline.discrepancy.problem import DiagnosisError
 from pipeline.discrepancy.result import VERDICTS
+from pipeline.discrepancy.ties import BENDS
 from tests.discrepancy.made import ANGLE, NOISE, SIMULATED, changed, diagnosed, names, recorded
 
 
@@ -105,7 +106,11 @@ def test_a_measurement_without_simulation_is_refused():
         diagnosed(bare)
 
 
-def test_a_simulation_that_stands_still_explains_nothing():
+def test_a_simulation_that_stands_still_gives_way_to_a_line_beside_which_the_curve_bends():
     recording = recorded({}, seed=16)
     (found,) = diagnosed(changed(recording, **{SIMULATED: 0.0})).diagnoses
-    assert found.verdict == "unknown_physics"
+    (bend,) = found.physics
+    assert found.verdict == "ambiguous"
+    assert {bend.name, *bend.alternatives} == BENDS
+    assert "does not move: a line in pitch_command_deg" in found.notes[0]
+    assert found.before.heldout_rmse > 20.0
