@@ -17,6 +17,9 @@ LAYERS = {
 }  # fmt: skip
 
 
+FLOORS = ["problem", "noise", "location", "fitting", "model", "search", "judgement"]
+
+
 def imported(file: Path) -> set[str]:
     names: set[str] = set()
     for node in ast.walk(ast.parse(file.read_text())):
@@ -43,6 +46,20 @@ def test_imports_go_one_way():
             other = parts[1] if parts[0] == "pipeline" and len(parts) > 1 else room
             if other in LAYERS and LAYERS[other] > LAYERS[room]:
                 upward.append(f"{file.relative_to(ROOT)} imports {name}")
+    assert upward == []
+
+
+def test_the_floors_of_the_diagnosis_rest_on_those_below():
+    house = ROOT / "pipeline" / "discrepancy"
+    upward = []
+    for file in house.rglob("*.py"):
+        own = FLOORS.index(file.parent.name) if file.parent != house else len(FLOORS)
+        for name in imported(file):
+            parts = name.split(".")
+            if parts[:2] == ["pipeline", "discrepancy"] and len(parts) > 2:
+                other = FLOORS.index(parts[2]) if parts[2] in FLOORS else len(FLOORS)
+                if other > own:
+                    upward.append(f"{file.relative_to(ROOT)} imports {name}")
     assert upward == []
 
 

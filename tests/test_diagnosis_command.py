@@ -10,7 +10,7 @@ import pandas as pd
 import pytest
 
 from pipeline import app
-from pipeline.discrepancy.result import VERDICTS
+from pipeline.discrepancy.model.result import VERDICTS
 from pipeline.recording import Channel, Recording, save_recording
 
 CHANNELS = (

@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from pipeline.discrepancy.locate import Located, locate
+from pipeline.discrepancy.location.locate import Located, locate
+from pipeline.discrepancy.model.result import Diagnosis, Evidence, Location, NextExperiment
 from pipeline.discrepancy.next_experiment import Proposal, next_experiment
-from pipeline.discrepancy.result import Diagnosis, Evidence, Location, NextExperiment
 from pipeline.physics.force_units import position_behind, position_unit
 
 

@@ -4,38 +4,38 @@ from dataclasses import replace
 
 import numpy as np
 
-from pipeline.discrepancy.accuracy import calibrated_alone, within_accuracy
-from pipeline.discrepancy.charge import absurd_calibration
-from pipeline.discrepancy.choose import Choice
-from pipeline.discrepancy.cycle_zero import wanders_by_cycle
-from pipeline.discrepancy.explain import Explanation, explain, not_excited, turning
-from pipeline.discrepancy.faint import without_faint
-from pipeline.discrepancy.force_late import explained_in_time
-from pipeline.discrepancy.force_noise import noise_of_samples
-from pipeline.discrepancy.force_problem import averaged
-from pipeline.discrepancy.foretold import foretold_part, testable
-from pipeline.discrepancy.intervals import covariance_of, wide_covariance
-from pipeline.discrepancy.model import CorrectedModel, Hypothesis
-from pipeline.discrepancy.named import named_physics, verdict_of
-from pipeline.discrepancy.noise import NoiseModel
-from pipeline.discrepancy.notes import accuracy_note, notes, smooth_error
-from pipeline.discrepancy.outliers import isolated
-from pipeline.discrepancy.problem import Problem
-from pipeline.discrepancy.proof import counted_errors, disproved, strained
-from pipeline.discrepancy.refit import likeliest, refitted
-from pipeline.discrepancy.result import (
+from pipeline.discrepancy.fitting.charge import absurd_calibration
+from pipeline.discrepancy.judgement.cycle_zero import wanders_by_cycle
+from pipeline.discrepancy.judgement.faint import without_faint
+from pipeline.discrepancy.judgement.named import named_physics, verdict_of
+from pipeline.discrepancy.judgement.notes import accuracy_note, notes, smooth_error
+from pipeline.discrepancy.judgement.proof import counted_errors, disproved, strained
+from pipeline.discrepancy.judgement.refit import likeliest, refitted
+from pipeline.discrepancy.judgement.rivals import hypotheses_of, mechanism_of
+from pipeline.discrepancy.judgement.structure import Structure, share_left, structure_of
+from pipeline.discrepancy.judgement.verdict import fewer, follows, sure_of_slow
+from pipeline.discrepancy.model.intervals import covariance_of, wide_covariance
+from pipeline.discrepancy.model.model import CorrectedModel, Hypothesis
+from pipeline.discrepancy.model.result import (
     Calibration,
     Diagnosis,
     Evidence,
     Unexplained,
 )
-from pipeline.discrepancy.rivals import hypotheses_of, mechanism_of
-from pipeline.discrepancy.start import end_of
-from pipeline.discrepancy.structure import Structure, share_left, structure_of
-from pipeline.discrepancy.thinning import thinned
-from pipeline.discrepancy.ties import undisguised
-from pipeline.discrepancy.verdict import fewer, follows, sure_of_slow
-from pipeline.discrepancy.zero import zero_at_end
+from pipeline.discrepancy.model.start import end_of
+from pipeline.discrepancy.model.zero import zero_at_end
+from pipeline.discrepancy.noise.force_noise import noise_of_samples
+from pipeline.discrepancy.noise.noise import NoiseModel
+from pipeline.discrepancy.problem.force_problem import averaged
+from pipeline.discrepancy.problem.outliers import isolated
+from pipeline.discrepancy.problem.problem import Problem
+from pipeline.discrepancy.problem.thinning import thinned
+from pipeline.discrepancy.search.accuracy import calibrated_alone, within_accuracy
+from pipeline.discrepancy.search.choose import Choice
+from pipeline.discrepancy.search.explain import Explanation, explain, not_excited, turning
+from pipeline.discrepancy.search.force_late import explained_in_time
+from pipeline.discrepancy.search.foretold import foretold_part, testable
+from pipeline.discrepancy.search.ties import undisguised
 from pipeline.physics.drift import Drift
 from pipeline.recording import Recording
 

@@ -9,10 +9,10 @@ import pandas as pd
 from scipy.special import ndtr
 
 from pipeline.discrepancy.blocks import Block, Habit, blocks, exploring, habit_of, repeated
-from pipeline.discrepancy.model import Hypothesis
-from pipeline.discrepancy.noise import NoiseModel
-from pipeline.discrepancy.result import Evidence
-from pipeline.discrepancy.ties import BENDS
+from pipeline.discrepancy.model.model import Hypothesis
+from pipeline.discrepancy.model.result import Evidence
+from pipeline.discrepancy.noise.noise import NoiseModel
+from pipeline.discrepancy.search.ties import BENDS
 from pipeline.physics.differentiation import differentiate
 from pipeline.physics.force_units import position_behind
 from pipeline.physics.frame_lag import FrameLag

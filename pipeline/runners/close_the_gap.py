@@ -10,7 +10,7 @@ from pipeline.commands import read_commands
 from pipeline.control.inverse import Solution
 from pipeline.control.mechanism_inverse import follow_mechanism
 from pipeline.control.trial import trial_path
-from pipeline.discrepancy.model import CorrectedModel
+from pipeline.discrepancy.model.model import CorrectedModel
 from pipeline.laboratory import Laboratory, open_laboratory
 from pipeline.physics.mechanism import Mechanism
 from pipeline.recording import Recording, write_atomically

@@ -10,11 +10,11 @@ import pandas as pd
 from threadpoolctl import threadpool_limits
 
 from pipeline.config import Config, DiagnosisConfig
-from pipeline.discrepancy import model as stored
 from pipeline.discrepancy.account import with_account
-from pipeline.discrepancy.model import CorrectedModel
+from pipeline.discrepancy.model import model as stored
+from pipeline.discrepancy.model.model import CorrectedModel
+from pipeline.discrepancy.model.result import Diagnosis, Evidence, as_json
 from pipeline.discrepancy.next_experiment import Proposal
-from pipeline.discrepancy.result import Diagnosis, Evidence, as_json
 from pipeline.errors import UsageError, refusal
 from pipeline.recording import (
     Channel,

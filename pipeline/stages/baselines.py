@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 
 from pipeline.config import DiagnosisConfig
-from pipeline.discrepancy.problem import Problem, pose_problem
+from pipeline.discrepancy.problem.problem import Problem, pose_problem
 from pipeline.models.baselines import (
     MODELS,
     TIMED_MODELS,

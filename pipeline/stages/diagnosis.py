@@ -4,10 +4,15 @@ import numpy as np
 
 from pipeline.config import DiagnosisConfig
 from pipeline.discrepancy.diagnose import diagnose_measurement
-from pipeline.discrepancy.force_problem import pose_force_problem
-from pipeline.discrepancy.problem import FEWEST_SAMPLES, DiagnosisError, Problem, pose_problem
-from pipeline.discrepancy.result import DiagnosisResult
-from pipeline.discrepancy.scale import refuse_other_scales
+from pipeline.discrepancy.model.result import DiagnosisResult
+from pipeline.discrepancy.problem.force_problem import pose_force_problem
+from pipeline.discrepancy.problem.problem import (
+    FEWEST_SAMPLES,
+    DiagnosisError,
+    Problem,
+    pose_problem,
+)
+from pipeline.discrepancy.problem.scale import refuse_other_scales
 from pipeline.errors import refusal
 from pipeline.physics.force_motion import position_of
 from pipeline.recording import Recording

@@ -7,9 +7,9 @@ import numpy as np
 import pandas as pd
 from scipy.signal import decimate
 
-from pipeline.discrepancy.model import CorrectedModel
-from pipeline.discrepancy.result import Diagnosis, Evidence
-from pipeline.discrepancy.rows import Averaged
+from pipeline.discrepancy.model.model import CorrectedModel
+from pipeline.discrepancy.model.result import Diagnosis, Evidence
+from pipeline.discrepancy.problem.rows import Averaged
 from pipeline.models.force_laws import LAWS, Features, stops_of, symmetric_weights
 from pipeline.physics.force_motion import force_motion
 from pipeline.physics.motion import Motion

@@ -5,9 +5,9 @@ from collections.abc import Sequence
 import numpy as np
 import pandas as pd
 
-from pipeline.discrepancy.counts import between_known_counts
-from pipeline.discrepancy.model import CorrectedModel, ModelError
-from pipeline.discrepancy.rough import behind_known_noise
+from pipeline.discrepancy.model.model import CorrectedModel, ModelError
+from pipeline.discrepancy.problem.counts import between_known_counts
+from pipeline.discrepancy.problem.rough import behind_known_noise
 from pipeline.errors import refusal
 from pipeline.physics.force_motion import force_motion
 from pipeline.physics.motion import Motion

@@ -15,9 +15,9 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from pipeline.discrepancy.inputs import input_shares
-from pipeline.discrepancy.locate import Located
-from pipeline.discrepancy.result import Evidence
+from pipeline.discrepancy.location.locate import Located
+from pipeline.discrepancy.model.result import Evidence
+from pipeline.discrepancy.problem.inputs import input_shares
 from pipeline.tracking.figures import COLOURS, STYLE, new_figure
 
 WIDTH_IN = 3.9

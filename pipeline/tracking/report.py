@@ -10,7 +10,7 @@ import pandas as pd
 from jinja2 import Environment, StrictUndefined
 from markupsafe import Markup
 
-from pipeline.discrepancy.result import Diagnosis, Evidence
+from pipeline.discrepancy.model.result import Diagnosis, Evidence
 from pipeline.recording import write_atomically
 from pipeline.tracking import report_words as words
 from pipeline.tracking.diagnosis_figures import diagnosis_figures, overview_figure, spoken, svg_of

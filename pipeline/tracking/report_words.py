@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterable
 
-from pipeline.discrepancy.result import Diagnosis, NamedPhysics
+from pipeline.discrepancy.model.result import Diagnosis, NamedPhysics
 
 TITLES = {
     "no_mismatch": "Nothing left out",

@@ -6,9 +6,9 @@ import numpy as np
 import pandas as pd
 
 from pipeline.config import DiagnosisConfig
-from pipeline.discrepancy.explain import Explanation, explain
-from pipeline.discrepancy.problem import pose_problem
-from pipeline.discrepancy.result import DiagnosisResult, Estimate
+from pipeline.discrepancy.model.result import DiagnosisResult, Estimate
+from pipeline.discrepancy.problem.problem import pose_problem
+from pipeline.discrepancy.search.explain import Explanation, explain
 from pipeline.physics.catalogue import term
 from pipeline.physics.kinematics import CubicCurve
 from pipeline.physics.mechanism import Mechanism, Piece

@@ -5,8 +5,8 @@ import pandas as pd
 import pytest
 
 from pipeline.discrepancy.account import located_in, with_account
-from pipeline.discrepancy.noise import NoiseModel
-from pipeline.discrepancy.result import Calibration, Diagnosis, Errors, Evidence, Unexplained
+from pipeline.discrepancy.model.result import Calibration, Diagnosis, Errors, Evidence, Unexplained
+from pipeline.discrepancy.noise.noise import NoiseModel
 from pipeline.physics.motion import Motion
 from pipeline.recording import Channel, Recording
 

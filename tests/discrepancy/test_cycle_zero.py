@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from pipeline.discrepancy.cycle_zero import stepped
+from pipeline.discrepancy.judgement.cycle_zero import stepped
 from tests.discrepancy.made import (
     ANGLE,
     NOISE,

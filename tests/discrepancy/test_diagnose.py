@@ -8,8 +8,8 @@ import pandas as pd
 import pytest
 
 from pipeline.config import HeldoutConfig
-from pipeline.discrepancy.problem import held_out_rows
-from pipeline.discrepancy.result import as_json
+from pipeline.discrepancy.model.result import as_json
+from pipeline.discrepancy.problem.problem import held_out_rows
 from pipeline.physics.motion import Motion
 from pipeline.recording import Channel, Recording, with_context
 from tests.discrepancy.made import (

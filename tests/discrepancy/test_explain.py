@@ -5,19 +5,19 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pipeline.discrepancy.choose import choose
-from pipeline.discrepancy.contested import contested, levelled, rival_names
-from pipeline.discrepancy.explain import (
+from pipeline.discrepancy.fitting.fit import evaluate, improve
+from pipeline.discrepancy.problem.outliers import at_commands, returning
+from pipeline.discrepancy.search.choose import choose
+from pipeline.discrepancy.search.contested import contested, levelled, rival_names
+from pipeline.discrepancy.search.explain import (
     fitted_with_all,
     plain_fit,
     refuted,
     searched_wide,
     with_plain,
 )
-from pipeline.discrepancy.fit import evaluate, improve
-from pipeline.discrepancy.moves import loosened, stopped, tautened
-from pipeline.discrepancy.outliers import at_commands, returning
-from pipeline.discrepancy.ties import as_itself, undisguised
+from pipeline.discrepancy.search.moves import loosened, stopped, tautened
+from pipeline.discrepancy.search.ties import as_itself, undisguised
 from pipeline.physics.catalogue import term
 from pipeline.physics.mechanism import Piece
 from tests.discrepancy.made import explained, recorded
@@ -39,7 +39,7 @@ def test_a_rest_that_repeats_is_no_noise_and_a_search_without_shortcuts_explains
     assert set(again[0].fit.names) == set(best.fit.names)
     assert len({c.fit.key for c in again}) == len(again)
     begun = choose(replace(search, wide=True, vain={}), alone[0].fit.ground)
-    monkeypatch.setattr("pipeline.discrepancy.explain.polished", pytest.fail)
+    monkeypatch.setattr("pipeline.discrepancy.search.explain.polished", pytest.fail)
     assert {c.fit.key for c in begun} <= {c.fit.key for c in searched_wide(search, begun, alone)}
 
 

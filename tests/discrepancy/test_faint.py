@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pipeline.discrepancy.explain import Explanation
-from pipeline.discrepancy.faint import without_faint
-from pipeline.discrepancy.fit import evaluate, improve
+from pipeline.discrepancy.fitting.fit import evaluate, improve
+from pipeline.discrepancy.judgement.faint import without_faint
+from pipeline.discrepancy.search.explain import Explanation
 from pipeline.physics.catalogue import term
 from pipeline.physics.mechanism import Piece
 from tests.discrepancy.made import explained, recorded

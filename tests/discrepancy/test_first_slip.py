@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from pipeline.discrepancy.first_slip import is_start, start_note
+from pipeline.discrepancy.judgement.first_slip import is_start, start_note
 from pipeline.physics.catalogue import term
 from pipeline.physics.mechanism import Piece
 from pipeline.physics.motion import Motion

@@ -6,17 +6,17 @@ import numpy as np
 import pytest
 
 from pipeline.config import DiagnosisConfig, ToleranceConfig
-from pipeline.discrepancy.charge import VOID, absurd_calibration, complexity
-from pipeline.discrepancy.explain import explain
-from pipeline.discrepancy.fit import evaluate, ground_of, improve, jacobian
-from pipeline.discrepancy.intervals import covariance_of, estimates, wide_covariance
-from pipeline.discrepancy.noise import NoiseModel
-from pipeline.discrepancy.noise_family import noise_family
-from pipeline.discrepancy.noise_learning import learn_noise
-from pipeline.discrepancy.outliers import alike, isolated, returning
-from pipeline.discrepancy.problem import pose_problem, static_misfit
-from pipeline.discrepancy.screen import effects_of
-from pipeline.discrepancy.thinning import sparser, thinned
+from pipeline.discrepancy.fitting.charge import VOID, absurd_calibration, complexity
+from pipeline.discrepancy.fitting.fit import evaluate, ground_of, improve, jacobian
+from pipeline.discrepancy.fitting.screen import effects_of
+from pipeline.discrepancy.model.intervals import covariance_of, estimates, wide_covariance
+from pipeline.discrepancy.noise.family import noise_family
+from pipeline.discrepancy.noise.learning import learn_noise
+from pipeline.discrepancy.noise.noise import NoiseModel
+from pipeline.discrepancy.problem.outliers import alike, isolated, returning
+from pipeline.discrepancy.problem.problem import pose_problem, static_misfit
+from pipeline.discrepancy.problem.thinning import sparser, thinned
+from pipeline.discrepancy.search.explain import explain
 from pipeline.physics.catalogue import term
 from pipeline.physics.mechanism import Piece
 from pipeline.physics.term import Surroundings

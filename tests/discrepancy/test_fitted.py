@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 
 from pipeline.config import DiagnosisConfig, ToleranceConfig
-from pipeline.discrepancy.fitted import tolerance_of_fit
+from pipeline.discrepancy.problem.fitted import tolerance_of_fit
 from pipeline.physics.backlash import play
 from pipeline.physics.pre_sliding import dragging
 from pipeline.recording import Channel, Recording, with_context

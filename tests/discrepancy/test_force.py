@@ -9,8 +9,8 @@ import pytest
 from scipy.interpolate import CubicSpline
 
 from pipeline.config import Config, DiagnosisConfig, SimulationConfig, ToleranceConfig
-from pipeline.discrepancy.force_problem import top_of
-from pipeline.discrepancy.model import as_json, from_json
+from pipeline.discrepancy.model.model import as_json, from_json
+from pipeline.discrepancy.problem.force_problem import top_of
 from pipeline.errors import UsageError
 from pipeline.physics.force_motion import position_of
 from pipeline.recording import Channel, Recording, with_context

@@ -5,8 +5,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from pipeline.discrepancy.force_rest import after_reversals, too_slow
-from pipeline.discrepancy.structure import SLOW_CORRELATION
+from pipeline.discrepancy.judgement.force_rest import after_reversals, too_slow
+from pipeline.discrepancy.judgement.structure import SLOW_CORRELATION
 
 ROWS, STROKE = 1200, 100
 

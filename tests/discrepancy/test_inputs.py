@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 from pipeline.config import DiagnosisConfig, HeldoutConfig, ToleranceConfig
-from pipeline.discrepancy.fit import evaluate, ground_of, improve
-from pipeline.discrepancy.inputs import input_shares, said_shares
-from pipeline.discrepancy.model import ModelError, as_json, from_json
-from pipeline.discrepancy.noise import NoiseModel
-from pipeline.discrepancy.problem import pose_problem
+from pipeline.discrepancy.fitting.fit import evaluate, ground_of, improve
+from pipeline.discrepancy.model.model import ModelError, as_json, from_json
+from pipeline.discrepancy.noise.noise import NoiseModel
+from pipeline.discrepancy.problem.inputs import input_shares, said_shares
+from pipeline.discrepancy.problem.problem import pose_problem
 from pipeline.physics.coupling import Coupling
 from pipeline.physics.kinematics import CubicCurve
 from pipeline.physics.mechanism import Mechanism, Piece

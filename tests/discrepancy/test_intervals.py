@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize_scalar
 
-from pipeline.discrepancy.intervals import LONGEST_MOVE, arrival_s, estimates, stated
+from pipeline.discrepancy.model.intervals import LONGEST_MOVE, arrival_s, estimates, stated
 from pipeline.physics.catalogue import term
 from pipeline.physics.mechanism import Piece
 from tests.discrepancy.test_fit import fitted, widened

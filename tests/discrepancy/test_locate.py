@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from pipeline.discrepancy.coordinates import ground_of
-from pipeline.discrepancy.locate import (
+from pipeline.discrepancy.location.coordinates import ground_of
+from pipeline.discrepancy.location.locate import (
     Located,
     Work,
     combined,

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from pipeline.discrepancy.fit import evaluate, improve
-from pipeline.discrepancy.noise_family import WHITE
+from pipeline.discrepancy.fitting.fit import evaluate, improve
+from pipeline.discrepancy.noise.family import WHITE
 from pipeline.physics.catalogue import term
 from pipeline.physics.mechanism import Piece
 from pipeline.physics.term import values_of

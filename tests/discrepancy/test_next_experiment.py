@@ -7,7 +7,8 @@ import pytest
 
 from pipeline.commands import read_commands
 from pipeline.discrepancy.blocks import blocks, exploring, habit_of, path
-from pipeline.discrepancy.model import Hypothesis
+from pipeline.discrepancy.model.model import Hypothesis
+from pipeline.discrepancy.model.result import Evidence
 from pipeline.discrepancy.next_experiment import (
     Drive,
     Proposal,
@@ -17,8 +18,7 @@ from pipeline.discrepancy.next_experiment import (
     reading_of,
     rivals_of,
 )
-from pipeline.discrepancy.noise import NoiseModel
-from pipeline.discrepancy.result import Evidence
+from pipeline.discrepancy.noise.noise import NoiseModel
 from pipeline.physics.catalogue import term
 from pipeline.physics.mechanism import Mechanism, Piece
 from pipeline.physics.motion import Motion

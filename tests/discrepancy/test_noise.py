@@ -5,10 +5,10 @@ import pytest
 from scipy.stats import multivariate_normal
 
 from pipeline.config import DiagnosisConfig
-from pipeline.discrepancy.noise import NoiseModel
-from pipeline.discrepancy.noise_family import WALKS, noise_family
-from pipeline.discrepancy.noise_learning import NoisePrior, fit_noise, learn_noise, unmistaken
-from pipeline.discrepancy.problem import Problem, pose_problem
+from pipeline.discrepancy.noise.family import WALKS, noise_family
+from pipeline.discrepancy.noise.learning import NoisePrior, fit_noise, learn_noise, unmistaken
+from pipeline.discrepancy.noise.noise import NoiseModel
+from pipeline.discrepancy.problem.problem import Problem, pose_problem
 from pipeline.recording import Recording
 from tests.discrepancy.made import NOISE, recorded
 

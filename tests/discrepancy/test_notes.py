@@ -7,8 +7,8 @@ import pandas as pd
 import pytest
 
 from pipeline.config import DiagnosisConfig
-from pipeline.discrepancy.notes import doubled_note, nearer_note
-from pipeline.discrepancy.problem import pose_problem
+from pipeline.discrepancy.judgement.notes import doubled_note, nearer_note
+from pipeline.discrepancy.problem.problem import pose_problem
 from pipeline.recording import Channel, Recording, with_context
 
 CHANNELS = (

@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pipeline.discrepancy.problem import DiagnosisError
-from pipeline.discrepancy.result import VERDICTS
-from pipeline.discrepancy.ties import BENDS
+from pipeline.discrepancy.model.result import VERDICTS
+from pipeline.discrepancy.problem.problem import DiagnosisError
+from pipeline.discrepancy.search.ties import BENDS
 from tests.discrepancy.made import ANGLE, NOISE, SIMULATED, changed, diagnosed, names, recorded
 
 

@@ -7,9 +7,7 @@ import pandas as pd
 import pytest
 
 from pipeline.config import DiagnosisConfig
-from pipeline.discrepancy.noise import NoiseModel
-from pipeline.discrepancy.problem import Problem, pose_problem
-from pipeline.discrepancy.proof import (
+from pipeline.discrepancy.judgement.proof import (
     BEYOND,
     HELDOUT,
     UNLIKE_REPEATS,
@@ -18,6 +16,8 @@ from pipeline.discrepancy.proof import (
     strained,
     taken_for_a_walk,
 )
+from pipeline.discrepancy.noise.noise import NoiseModel
+from pipeline.discrepancy.problem.problem import Problem, pose_problem
 from pipeline.recording import Channel, Recording, with_context
 
 ROWS = 900

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from pipeline.config import DiagnosisConfig
-from pipeline.discrepancy.choose import Choice
-from pipeline.discrepancy.model import CorrectedModel, as_json, from_json
-from pipeline.discrepancy.refit import likeliest
+from pipeline.discrepancy.judgement.refit import likeliest
+from pipeline.discrepancy.model.model import CorrectedModel, as_json, from_json
+from pipeline.discrepancy.search.choose import Choice
 from pipeline.physics.mechanism import Mechanism
 from pipeline.recording import Recording
 from pipeline.stages.diagnosis import diagnose

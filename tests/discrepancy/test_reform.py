@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from pipeline.config import DiagnosisConfig
-from pipeline.discrepancy.fit import evaluate, ground_of, improve
-from pipeline.discrepancy.noise import NoiseModel
-from pipeline.discrepancy.problem import pose_problem
-from pipeline.discrepancy.reform import reformed
+from pipeline.discrepancy.fitting.fit import evaluate, ground_of, improve
+from pipeline.discrepancy.fitting.reform import reformed
+from pipeline.discrepancy.noise.noise import NoiseModel
+from pipeline.discrepancy.problem.problem import pose_problem
 from pipeline.physics.catalogue import term
 from pipeline.physics.mechanism import Piece
 from tests.discrepancy.made import recorded

@@ -6,9 +6,9 @@ import pytest
 from scipy.signal import lfilter
 
 from pipeline.config import DiagnosisConfig
-from pipeline.discrepancy.counts import between_counts, quantum_of, smooth_motion
-from pipeline.discrepancy.rough import behind_known_noise, noise_of_motion, unroughened
-from pipeline.discrepancy.stale import hung_samples, stale_samples
+from pipeline.discrepancy.problem.counts import between_counts, quantum_of, smooth_motion
+from pipeline.discrepancy.problem.rough import behind_known_noise, noise_of_motion, unroughened
+from pipeline.discrepancy.problem.stale import hung_samples, stale_samples
 from pipeline.physics.backlash import Backlash, play
 from pipeline.physics.motion import Motion
 from pipeline.recording import Channel, Recording, with_context

@@ -2,7 +2,13 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from pipeline.discrepancy.serial import SerialNoise, fit_serial_noise, lengths, orthonormal, without
+from pipeline.discrepancy.noise.serial import (
+    SerialNoise,
+    fit_serial_noise,
+    lengths,
+    orthonormal,
+    without,
+)
 
 NOISE = SerialNoise(sigma=1.0, correlation=0.7, share=0.6)
 ROW = np.array([0, 1, 2, 5, 6, 9, 10, 11])

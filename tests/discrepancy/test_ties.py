@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from pipeline.config import DiagnosisConfig
-from pipeline.discrepancy.choose import Choice
-from pipeline.discrepancy.fit import Ground, evaluate, ground_of
-from pipeline.discrepancy.intervals import covariance_of
-from pipeline.discrepancy.noise import NoiseModel
-from pipeline.discrepancy.problem import pose_problem
-from pipeline.discrepancy.ties import plainly, standing, undisguised, variance_given
+from pipeline.discrepancy.fitting.fit import Ground, evaluate, ground_of
+from pipeline.discrepancy.model.intervals import covariance_of
+from pipeline.discrepancy.noise.noise import NoiseModel
+from pipeline.discrepancy.problem.problem import pose_problem
+from pipeline.discrepancy.search.choose import Choice
+from pipeline.discrepancy.search.ties import plainly, standing, undisguised, variance_given
 from pipeline.physics.catalogue import term
 from pipeline.physics.mechanism import Piece
 from tests.discrepancy.made import NOISE, recorded

@@ -7,14 +7,14 @@ import pandas as pd
 import pytest
 
 from pipeline.config import DiagnosisConfig
-from pipeline.discrepancy.choose import wanders
-from pipeline.discrepancy.explain import explain
-from pipeline.discrepancy.fit import evaluate
-from pipeline.discrepancy.foretold import errors_ahead, least_errors, parts_of
-from pipeline.discrepancy.noise import NoiseModel
-from pipeline.discrepancy.noise_family import noise_family
-from pipeline.discrepancy.noise_learning import NoisePrior
-from pipeline.discrepancy.problem import Problem, pose_problem
+from pipeline.discrepancy.fitting.fit import evaluate
+from pipeline.discrepancy.noise.family import noise_family
+from pipeline.discrepancy.noise.learning import NoisePrior
+from pipeline.discrepancy.noise.noise import NoiseModel
+from pipeline.discrepancy.problem.problem import Problem, pose_problem
+from pipeline.discrepancy.search.choose import wanders
+from pipeline.discrepancy.search.explain import explain
+from pipeline.discrepancy.search.foretold import errors_ahead, least_errors, parts_of
 from pipeline.physics.catalogue import term
 from pipeline.physics.kinematics import CubicCurve
 from pipeline.physics.mechanism import Mechanism, Piece

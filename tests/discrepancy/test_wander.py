@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from pipeline.discrepancy.noise import NoiseModel
-from pipeline.discrepancy.wander import comes_back
+from pipeline.discrepancy.noise.noise import NoiseModel
+from pipeline.discrepancy.noise.wander import comes_back
 
 ROWS, SLOWEST = 2700, 0.87
 CYCLE = np.repeat(np.arange(9), ROWS // 9)

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 from pipeline.config import DiagnosisConfig
-from pipeline.discrepancy.fit import evaluate, ground_of
-from pipeline.discrepancy.model import as_json, from_json
-from pipeline.discrepancy.noise import NoiseModel
-from pipeline.discrepancy.problem import pose_problem
-from pipeline.discrepancy.zero import zero_at_end
+from pipeline.discrepancy.fitting.fit import evaluate, ground_of
+from pipeline.discrepancy.model.model import as_json, from_json
+from pipeline.discrepancy.model.zero import zero_at_end
+from pipeline.discrepancy.noise.noise import NoiseModel
+from pipeline.discrepancy.problem.problem import pose_problem
 from pipeline.recording import Recording
 from pipeline.stages.diagnosis import diagnose
 from pipeline.stages.prediction import predict

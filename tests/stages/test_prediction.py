@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from pipeline.config import DiagnosisConfig
-from pipeline.discrepancy.model import Hypothesis, ModelError, as_json, from_json
+from pipeline.discrepancy.model.model import Hypothesis, ModelError, as_json, from_json
 from pipeline.physics.catalogue import term
 from pipeline.physics.mechanism import Mechanism, Piece
 from pipeline.stages.diagnosis import diagnose

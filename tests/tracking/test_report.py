@@ -11,10 +11,9 @@ import pandas as pd
 import pytest
 from rerun.chunk import RrdReader
 
-from pipeline.discrepancy.locate import locate
-from pipeline.discrepancy.model import Hypothesis
-from pipeline.discrepancy.noise import NoiseModel
-from pipeline.discrepancy.result import (
+from pipeline.discrepancy.location.locate import locate
+from pipeline.discrepancy.model.model import Hypothesis
+from pipeline.discrepancy.model.result import (
     Calibration,
     Diagnosis,
     Errors,
@@ -25,6 +24,7 @@ from pipeline.discrepancy.result import (
     NextExperiment,
     Unexplained,
 )
+from pipeline.discrepancy.noise.noise import NoiseModel
 from pipeline.physics.backlash import play
 from pipeline.physics.mechanism import Mechanism
 from pipeline.physics.motion import Motion

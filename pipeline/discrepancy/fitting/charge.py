@@ -1,0 +1,84 @@
+"""What an explanation is charged for its terms, beside what it leaves."""
+
+import numpy as np
+
+from pipeline.discrepancy.fitting.calibration import FAR_OFF, absurd_gain
+from pipeline.discrepancy.fitting.fit import Fit, Ground, parameters_of
+from pipeline.physics.term import Term
+
+TERM_COST = 8.0
+SECOND_SIDE = 1.0
+AT_BOUND = 1.0
+VOID = 40.0
+BEHIND = 3.0
+UNLIKELY = {
+    "lost_steps": 3.0,
+    "contact": 2.0,
+    "drift/wave": 6.0,
+    "slack/behind": BEHIND,
+    "slack/home behind": BEHIND,
+    "viscous_friction/sprung": BEHIND,
+    "transmission_ripple/force": 6.0,
+}
+SIDED = ("contact", "end_stop")
+
+
+def complexity(fit: Fit) -> float:
+    """The charge for a fit's terms and for those of their parameters that are not at a bound.
+
+    Each moment of a term is an event of its own: a second slip is as unlikely as the first. A
+    calibration that can be none explains as little as a term that amounts to nothing; so does a
+    slip before the first sample used, which is another home of a curve that bends.
+    """
+    first_s = fit.ground.problem.motion.time_s[int(np.argmax(fit.ground.used))]
+    charge = 0.0 if absurd_calibration(fit) is None else VOID
+    for i, piece in enumerate(fit.pieces):
+        charge += VOID if piece.term.void(piece.values) else 0.0
+        again = piece.term.name in SIDED and piece.term.name in fit.names[:i]
+        own = (SECOND_SIDE if again else TERM_COST) + unlikely(piece.term)
+        parameters = parameters_of(fit.ground, piece.term)
+        charge += own * max(sum(p.moment for p in parameters), 1)
+        for p, value in zip(parameters, piece.values, strict=True):
+            charge += VOID if p.moment and value <= first_s else 0.0
+            nothing = p.weak or (value <= p.low and p.typical > 0.0)
+            charge += AT_BOUND if nothing else np.log(independent(fit.ground))
+    return charge
+
+
+def unlikely(term: Term) -> float:
+    """How much less likely than others a term is in its form, in -2 log odds.
+
+    A wave of any period and phase follows what jitters or repeats with the cycles as well. Slack
+    that is lost behind the curve has as many parameters as one before it: chance would decide. A
+    damper behind a spring is two things.
+    """
+    whole = f"{term.name}/{term.form}"
+    return UNLIKELY.get(term.name, 0.0) + UNLIKELY.get(whole, 0.0)
+
+
+def absurd_calibration(fit: Fit) -> str | None:
+    """Which part of the calibration no calibration can be, in words.
+
+    A gain that is off by a factor of two, or turned round, speaks of units or wiring; an offset
+    beyond all that the simulation moves, too, in the middle of that: at a zero that is far from
+    there, each gain has an offset of its own.
+    """
+    around = fit.ground.problem.around
+    gain, offset = fit.nuisance[:2]
+    problem = fit.ground.problem
+    turned = gain <= 0.0 and problem.derivatives is None
+    if turned or absurd_gain(float(gain), problem.tolerance):
+        return f"the gain, which is {gain:.3g}"
+    middle = around.angle_low + 0.5 * around.angle_span
+    there = offset + (gain - 1.0) * middle
+    if abs(there) > max(around.angle_span, FAR_OFF * fit.ground.problem.tolerance.offset):
+        return f"the offset, which is {offset:.3g} {around.angle_unit}"
+    return None
+
+
+def independent(ground: Ground) -> float:
+    """About how many independent samples there are."""
+    share = ground.noise.correlated**2 / max(ground.noise.deviation**2, 1e-300)
+    phi = ground.noise.correlation
+    count = ground.count / ground.noise.spell
+    return max(count * (1.0 - share * 2.0 * phi / (1.0 + phi)), 10.0)

@@ -1,0 +1,377 @@
+"""Fitting a set of terms: all parameters and nuisances together, under the whitened noise."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+
+from pipeline.config import ToleranceConfig
+from pipeline.discrepancy.fitting.calibration import (
+    FAR_OFF,
+    Nuisances,
+    absurd_gain,
+    gain_between,
+    nuisances_of,
+)
+from pipeline.discrepancy.noise.noise import NoiseModel, whitened
+from pipeline.discrepancy.problem.problem import Problem
+from pipeline.physics.mechanism import Mechanism, Piece, Trace
+from pipeline.physics.term import Parameter, Term
+
+ITERATIONS = 12
+DAMPINGS = 6
+TOLERANCE = 0.1
+TRUSTED = 0.5
+PRIOR_WIDTH = 10.0
+SHARE_OF_VALUE = 0.02
+
+
+@dataclass(frozen=True)
+class Box:
+    """A term's parameters with their bounds and weak Gaussian priors, (p,) each."""
+
+    parameters: tuple[Parameter, ...]
+    low: np.ndarray
+    high: np.ndarray
+    centre: np.ndarray
+    precision: np.ndarray
+
+
+@dataclass(frozen=True)
+class Ground:
+    """A problem with its noise: what every fit of it shares.
+
+    used: (n,) rows that count. gains: the whitening filter of these rows.
+    """
+
+    problem: Problem
+    noise: NoiseModel
+    used: np.ndarray
+    nuisances: Nuisances
+    _boxes: dict[tuple[str, str], Box] = field(default_factory=dict, repr=False)
+
+    def box(self, term: Term) -> Box:
+        """What a term's parameters may be here."""
+        key = (term.name, term.form)
+        if key not in self._boxes:
+            self._boxes[key] = box_of(term.parameters(self.problem.around))
+        return self._boxes[key]
+
+    @cached_property
+    def precision(self) -> np.ndarray:
+        """Of the priors of gain, offset and bends, (m,)."""
+        return np.asarray(1.0 / self.nuisances.deviations**2)
+
+    @cached_property
+    def gains(self) -> np.ndarray:
+        return self.noise.gains(self.problem.cycle, self.used, self.problem.motion.stands)
+
+    @cached_property
+    def kept(self) -> np.ndarray:
+        return self.noise.kept(self.problem.motion.stands)
+
+    @cached_property
+    def log_scale(self) -> float:
+        """Sum of the log deviations of the innovations."""
+        return float(np.sum(np.log(self.gains[self.used, 3])))
+
+    @cached_property
+    def count(self) -> int:
+        return int(self.used.sum())
+
+    def whiten(self, columns: np.ndarray) -> np.ndarray:
+        """Columns (n, m) as independent unit innovations on the used rows, (count, m)."""
+        filled = np.ascontiguousarray(columns)
+        return whitened(filled, self.gains, self.kept, self.problem.cycle)
+
+    @cached_property
+    def data(self) -> np.ndarray:
+        """The whitened measurement, (count,)."""
+        return self.whiten(np.where(self.used, self.problem.measured, 0.0)[:, None])[:, 0]
+
+    def calibrating(self, trace: Trace) -> np.ndarray:
+        """What the nuisances multiply in each row, (n, m)."""
+        return self.nuisances.columns(trace, self.problem.motion.others)
+
+    def answer(self, trace: Trace, nuisance: np.ndarray) -> np.ndarray:
+        """What is measured in each row, (n,), by a trace and nuisances (m,)."""
+        return self.nuisances.answer(trace, nuisance, self.problem.motion.others)
+
+    def with_noise(self, noise: NoiseModel) -> "Ground":
+        return replace(self, noise=noise)
+
+
+def ground_of(problem: Problem, noise: NoiseModel, used: np.ndarray) -> Ground:
+    """The ground of a problem's fits.
+
+    Where the simulation's zero is off by more than FAR_OFF of what was declared, the declaration is
+    refuted, and no term shall bend anything to spare the offset: it may be as large as it is. So
+    may a gain that no calibration has. Of a force, which differs by direction where friction does,
+    that refutes no zero that is declared to be trusted more than usual.
+    """
+    around, tolerance = problem.around, problem.tolerance
+    off = abs(float(np.median((problem.measured - problem.simulated)[used])))
+    trusted = problem.derivatives is not None and tolerance.offset < ToleranceConfig().offset
+    if off > FAR_OFF * tolerance.offset and not trusted:
+        tolerance = replace(tolerance, offset=off)
+    gain = gain_between(problem.simulated[used], problem.measured[used])
+    if problem.derivatives is None and absurd_gain(gain, tolerance):
+        tolerance = replace(tolerance, gain=abs(gain - 1.0))
+    return Ground(
+        problem, noise, used, nuisances_of(tolerance, around.angle_low, around.angle_span)
+    )
+
+
+@dataclass(frozen=True)
+class Fit:
+    """Terms with fitted values. cost: -2 log(likelihood x priors) without constants.
+
+    nuisance: (m,) gain, offset, bends. trace: the mechanism's angles without calibration.
+    calibrating: (count, m) whitened, what the nuisances multiply.
+    """
+
+    ground: Ground
+    pieces: tuple[Piece, ...]
+    nuisance: np.ndarray
+    trace: Trace
+    cost: float
+    innovations: np.ndarray = field(repr=False)
+    calibrating: np.ndarray = field(repr=False)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        return tuple(p.term.name for p in self.pieces)
+
+    @property
+    def predicted(self) -> np.ndarray:
+        """The measurement that the fit expects in each row, (n,)."""
+        return self.ground.answer(self.trace, self.nuisance)
+
+    @property
+    def free(self) -> int:
+        """How many parameters its terms have."""
+        return sum(len(p.values) for p in self.pieces)
+
+    @cached_property
+    def basis(self) -> np.ndarray:
+        """Orthonormal columns of all that the fit can follow already, (count, m)."""
+        return np.linalg.qr(np.column_stack([self.calibrating, self.slopes]))[0]
+
+    @cached_property
+    def changes(self) -> np.ndarray:
+        """Derivatives of the prediction by gain, offset, bends and every term parameter, (n, m)."""
+        return np.hstack([self.ground.calibrating(self.trace), self.by_parameter])
+
+    @cached_property
+    def by_parameter(self) -> np.ndarray:
+        """Derivatives of the prediction by every term parameter, (n, free)."""
+        return jacobian(self)
+
+    @cached_property
+    def slopes(self) -> np.ndarray:
+        """The same, whitened, (count, free)."""
+        return self.ground.whiten(self.by_parameter)
+
+    @cached_property
+    def key(self) -> frozenset[tuple[str, str]]:
+        return frozenset((p.term.name, p.term.form) for p in self.pieces)
+
+
+def box_of(parameters: Sequence[Parameter]) -> Box:
+    """Bounds and priors of some parameters."""
+    widths = np.array([PRIOR_WIDTH * p.typical if p.typical > 0.0 else np.inf for p in parameters])
+    return Box(
+        tuple(parameters),
+        np.array([p.low for p in parameters]),
+        np.array([p.high for p in parameters]),
+        np.array([prior_mean(p) for p in parameters]),
+        1.0 / widths**2,
+    )
+
+
+def parameters_of(ground: Ground, term: Term) -> tuple[Parameter, ...]:
+    return ground.box(term).parameters
+
+
+def respond(ground: Ground, pieces: Sequence[Piece]) -> Trace:
+    """The mechanism's angles over all rows, without calibration."""
+    return ground.problem.trace(pieces)
+
+
+def respond_beside(fit: Fit, pieces: Sequence[Piece], changed: Term) -> Trace:
+    """The angles of pieces that differ from a fit's in one term only."""
+    problem = fit.ground.problem
+    if changed.before_curve or not problem.by_row(pieces):
+        return problem.trace(pieces)
+    mechanism, known = Mechanism(problem.curve, pieces), fit.trace
+    if changed.in_balance:
+        return mechanism.balanced(known.asked, problem.motion)
+    return mechanism.sensed(known.asked, known.body, problem.motion)
+
+
+def evaluate(ground: Ground, pieces: Sequence[Piece]) -> Fit:
+    """The fit with these values; gain, offset and bends by linear least squares."""
+    return calibrated(ground, pieces, respond(ground, pieces))
+
+
+def calibrated(ground: Ground, pieces: Sequence[Piece], trace: Trace) -> Fit:
+    """The fit with pieces whose angles are known."""
+    columns = ground.whiten(ground.calibrating(trace))
+    precision, expected = ground.precision, ground.nuisances.expected
+    data = ground.data
+    if trace.added is not None:
+        data = data - ground.whiten(trace.added[:, None])[:, 0]
+    normal = columns.T @ columns
+    normal.flat[:: len(expected) + 1] += precision
+    nuisance = np.linalg.solve(normal, columns.T @ data + precision * expected)
+    innovations = data - columns @ nuisance
+    cost = float(innovations @ innovations + precision @ (nuisance - expected) ** 2)
+    cost += 2.0 * ground.log_scale + prior_cost(ground, pieces)
+    return Fit(ground, tuple(pieces), nuisance, trace, cost, innovations, columns)
+
+
+def prior_cost(ground: Ground, pieces: Sequence[Piece]) -> float:
+    """-2 log of the weak priors that keep parameters at usual sizes."""
+    total = 0.0
+    for piece in pieces:
+        box = ground.box(piece.term)
+        total += float(box.precision @ (piece.values - box.centre) ** 2)
+    return total
+
+
+def prior_mean(parameter: Parameter) -> float:
+    """Zero for sizes (they may be nothing), the start for what has a usual value."""
+    return 0.0 if parameter.low <= 0.0 <= parameter.high else parameter.start
+
+
+def jacobian(fit: Fit, first: int = 0) -> np.ndarray:
+    """Derivatives of the prediction by every parameter of the terms from `first` on, (n, free).
+
+    A parameter that does not move the prediction (a moment between two samples) gives zeros. Fits
+    of the same values under other noise share the traces behind it.
+    """
+    ground = fit.ground
+    predicted, beside = fit.predicted, fit.trace.beside
+    columns = np.zeros((fit.free, len(fit.trace.seen)))
+    k = begin = sum(len(piece.values) for piece in fit.pieces[:first])
+    for i, piece in enumerate(fit.pieces[first:], first):
+        for j, p in enumerate(parameters_of(ground, piece.term)):
+            step = difference_step(p, piece.values[j])
+            if step != 0.0:
+                if k not in beside:
+                    values = piece.values.copy()
+                    values[j] += step
+                    pieces = (*fit.pieces[:i], Piece(piece.term, values), *fit.pieces[i + 1 :])
+                    beside[k] = respond_beside(fit, pieces, piece.term)
+                moved = ground.answer(beside[k], fit.nuisance)
+                columns[k] = (moved - predicted) / step
+            k += 1
+    return columns[begin:].T
+
+
+def difference_step(p: Parameter, value: float) -> float:
+    """A step that stays within bounds; 0 for a parameter that has no width."""
+    size = 0.01 * p.typical if p.typical > 0.0 else 1e-4 * (p.high - p.low)
+    if p.relative:
+        size = SHARE_OF_VALUE * value
+    if p.moment:
+        return 0.0
+    return -size if value + size > p.high else size
+
+
+def improve(fit: Fit, iterations: int = ITERATIONS, begun: Fit | None = None) -> Fit:
+    """Levenberg-Marquardt from a fit, within the bounds, until a step promises nothing.
+
+    As long as a step gains about what its slopes foretold, they are corrected by what it did
+    (Broyden, Math. Comp. 19 (1965) 577), in place of differences for every parameter. begun: a fit
+    of the same terms but the last, whose slopes serve for a first step where the last one has made
+    it better already; where it has not, the terms move each other far.
+    """
+    if not fit.pieces:
+        return fit
+    boxes = [fit.ground.box(piece.term) for piece in fit.pieces]
+    low, high, centre, precision = (
+        np.concatenate([getattr(b, n) for b in boxes])
+        for n in ("low", "high", "centre", "precision")
+    )
+    damping, slopes = 1e-2, None
+    if begun is not None and fit.cost < begun.cost:
+        last = fit.ground.whiten(jacobian(fit, len(fit.pieces) - 1))
+        slopes = _beside_nuisances(fit, np.hstack([begun.slopes, last]))
+    for _ in range(iterations):
+        known = slopes is None
+        slopes = _beside_nuisances(fit, fit.slopes) if slopes is None else slopes
+        values = np.concatenate([p.values for p in fit.pieces])
+        gradient = slopes.T @ fit.innovations - precision * (values - centre)
+        normal = slopes.T @ slopes
+        normal.flat[:: len(values) + 1] += precision
+        stuck = ((values <= low) & (gradient < 0.0)) | ((values >= high) & (gradient > 0.0))
+        stuck |= normal.diagonal() <= 1e-12
+        better, foretold, damping = _stepped(fit, normal, gradient, ~stuck, low, high, damping)
+        if better is None:
+            if known:
+                return fit
+            slopes, damping = None, 1e-2
+            continue
+        gained = fit.cost - better.cost
+        if known and gained < TOLERANCE:
+            return better
+        trusted = gained > TRUSTED * foretold
+        slopes = _corrected(slopes, fit, better, np.sqrt(normal.diagonal())) if trusted else None
+        fit, damping = better, damping / 6.0
+    return fit
+
+
+def _stepped(
+    fit: Fit, normal: np.ndarray, gradient: np.ndarray, free: np.ndarray,
+    low: np.ndarray, high: np.ndarray, damping: float,
+) -> tuple[Fit | None, float, float]:  # fmt: skip
+    """A better fit one step on, damped as much as that takes; None if no step promises one.
+
+    With the gain that the step's slopes foretold, and the damping.
+    """
+    values = np.concatenate([p.values for p in fit.pieces])
+    step, own = np.zeros(len(values)), normal[free][:, free]
+    for _ in range(DAMPINGS if len(own) else 0):
+        damped = own.copy()
+        damped.flat[:: len(own) + 1] += damping * own.diagonal()
+        step[free] = np.linalg.solve(damped, gradient[free])
+        moved = np.clip(values + step, low, high)
+        real = moved - values
+        foretold = float(2.0 * gradient @ real - real @ normal @ real)
+        if foretold < TOLERANCE:
+            break
+        trial = evaluate(fit.ground, _with_values(fit.pieces, moved))
+        if trial.cost < fit.cost:
+            return trial, foretold, damping
+        damping *= 8.0
+    return None, 0.0, damping
+
+
+def _corrected(slopes: np.ndarray, fit: Fit, better: Fit, sizes: np.ndarray) -> np.ndarray:
+    """Slopes (count, free) that explain all that a step did; sizes: (free,) of their columns."""
+    step = np.concatenate(
+        [b.values - a.values for a, b in zip(fit.pieces, better.pieces, strict=True)]
+    )
+    length = float(np.sum((sizes * step) ** 2))
+    if length <= 0.0:
+        return slopes
+    missed = fit.innovations - better.innovations - slopes @ step
+    return np.asarray(slopes + missed[:, None] * (sizes**2 * step / length))
+
+
+def _beside_nuisances(fit: Fit, slopes: np.ndarray) -> np.ndarray:
+    """Slopes (count, free) less what gain, offset and bends take over of them."""
+    columns = fit.calibrating
+    normal = columns.T @ columns
+    normal.flat[:: len(normal) + 1] += fit.ground.precision
+    return np.asarray(slopes - columns @ np.linalg.solve(normal, columns.T @ slopes))
+
+
+def _with_values(pieces: Sequence[Piece], values: np.ndarray) -> tuple[Piece, ...]:
+    out, k = [], 0
+    for piece in pieces:
+        out.append(Piece(piece.term, values[k : k + len(piece.values)]))
+        k += len(piece.values)
+    return tuple(out)

@@ -1,0 +1,58 @@
+"""Moments: parameters that act between two samples are tried sample by sample."""
+
+import numpy as np
+
+from pipeline.discrepancy.fitting.fit import Fit, evaluate, improve, parameters_of
+from pipeline.physics.mechanism import Piece
+
+STRIDES = (4, 1)
+TRIED = 6
+
+
+def settle_moments(fit: Fit) -> Fit:
+    """The fit with each moment of a slip moved to the sample before which it fits best."""
+    for i, piece in enumerate(fit.pieces):
+        for j in moments_of(fit, piece):
+            times = moments(fit)
+            for stride in STRIDES:
+                near = int(np.argmin(np.abs(times - fit.pieces[i].values[j])))
+                first, last = near - stride * TRIED, near + stride * TRIED
+                places = range(max(first, 0), min(last + 1, len(times)), stride)
+                best = min((moved(fit, i, j, times[k]) for k in places), key=lambda t: t.cost)
+                if best.cost < fit.cost:
+                    fit = improve(best, 3)
+    return in_order(fit)
+
+
+def in_order(fit: Fit) -> Fit:
+    """The fit with two slips of one piece told in the order of their times."""
+    pieces = list(fit.pieces)
+    for i, piece in enumerate(pieces):
+        pairs = piece.values.reshape(-1, 2) if len(moments_of(fit, piece)) > 1 else piece.values[:0]
+        if len(pairs) and pairs[0, 1] > pairs[1, 1]:
+            pieces[i] = Piece(piece.term, pairs[::-1].ravel())
+    swapped = any(new is not old for new, old in zip(pieces, fit.pieces, strict=True))
+    return evaluate(fit.ground, pieces) if swapped else fit
+
+
+def moments_of(fit: Fit, piece: Piece) -> list[int]:
+    """Which of a piece's parameters are moments."""
+    return [j for j, p in enumerate(parameters_of(fit.ground, piece.term)) if p.moment]
+
+
+def moments(fit: Fit) -> np.ndarray:
+    """Times halfway between neighbouring fitted samples: others tell no moments apart [s]."""
+    time_s = fit.ground.problem.motion.time_s[fit.ground.used]
+    return 0.5 * (time_s[1:] + time_s[:-1])
+
+
+def moved(fit: Fit, place: int, parameter: int, moment_s: float) -> Fit:
+    """The fit with a moment (`parameter`) of one of its terms elsewhere."""
+    values = fit.pieces[place].values.copy()
+    values[parameter] = moment_s
+    pieces = (
+        *fit.pieces[:place],
+        Piece(fit.pieces[place].term, values),
+        *fit.pieces[place + 1 :],
+    )
+    return evaluate(fit.ground, pieces)

@@ -1,0 +1,68 @@
+"""The forms of a term: a fit with another form in the place of one."""
+
+import numpy as np
+
+from pipeline.discrepancy.fitting.fit import (
+    Box,
+    Fit,
+    evaluate,
+    improve,
+    parameters_of,
+    respond_beside,
+)
+from pipeline.discrepancy.fitting.moments import settle_moments
+from pipeline.discrepancy.fitting.screen import PROMISING, gains_of
+from pipeline.physics.lost_steps import JUMP_2
+from pipeline.physics.mechanism import Piece
+from pipeline.physics.term import Term
+
+MOST, BEGUN = 10, 3
+
+
+def reformed(fit: Fit, place: int, term: Term) -> Fit:
+    """The fit with another form of a term, or another term, begun from the values that both have.
+
+    Where neither has all of the other's, it begins anew. Where starts lie far apart, each is judged
+    after a few steps: one that is near the truth may begin farther from the data than one that is
+    not.
+    """
+    old = fit.pieces[place]
+    had = [p.name for p in parameters_of(fit.ground, old.term)]
+    names = [p.name for p in parameters_of(fit.ground, term)]
+    problem = fit.ground.problem
+    starts = term.candidates(problem.motion, problem.around)
+    same_place = term.before_curve == old.term.before_curve
+    if same_place and (set(had) <= set(names) or set(names) <= set(had)):
+        kept = starts.copy()
+        for value, name in zip(old.values, had, strict=True):
+            if name in names:
+                kept[:, names.index(name)] = value
+        told = _within(fit.ground.box(term), term.retold(np.unique(kept, axis=0)))
+        fresh = starts if term.own_law else starts[:0]
+        starts = np.vstack([told, fresh]) if len(told) else kept
+    before, after = fit.pieces[:place], fit.pieces[place + 1 :]
+    if any(p.moment for p in parameters_of(fit.ground, term)):
+        starts = _sized(fit, place, term, starts)
+    trials = [evaluate(fit.ground, (*before, Piece(term, values), *after)) for values in starts]
+    trials.sort(key=lambda t: t.cost)
+    if term.far_apart:
+        trials = sorted((improve(t, BEGUN) for t in trials[:MOST]), key=lambda t: t.cost)
+    return min((settle_moments(improve(t, 8)) for t in trials[:2]), key=lambda t: t.cost)
+
+
+def _within(box: Box, starts: np.ndarray) -> np.ndarray:
+    """Those of some starts (k, p) that are within a term's bounds."""
+    return np.asarray(starts[np.all((starts >= box.low) & (starts <= box.high), axis=1)])
+
+
+def _sized(fit: Fit, place: int, term: Term, starts: np.ndarray) -> np.ndarray:
+    """The starts (k, p) of a second slip that promise most, each with the jump that suits it."""
+    before, after = fit.pieces[:place], fit.pieces[place + 1 :]
+    traces = [respond_beside(fit, (*before, Piece(term, v), *after), term) for v in starts]
+    answers = [fit.ground.answer(t, fit.nuisance) for t in traces]
+    columns = np.column_stack(answers) - fit.predicted[:, None]
+    gains, factors = gains_of(fit, np.ones(len(starts), dtype=bool), columns)
+    best = np.argsort(-gains)[:PROMISING]
+    out = starts[best]
+    out[:, JUMP_2] *= factors[best]
+    return out

@@ -1,0 +1,1 @@
+"""What stays of the best explanation: names, proof, structured rest, verdict."""

@@ -1,0 +1,84 @@
+"""A zero that differs from cycle to cycle by more than noise does: that is a drift."""
+
+import numpy as np
+from scipy.stats import chi2, f
+
+from pipeline.discrepancy.model.result import Estimate, Evidence, NamedPhysics
+from pipeline.discrepancy.problem.problem import Problem
+from pipeline.discrepancy.search.choose import SLOW, Choice
+from pipeline.physics.drift import Drift
+from pipeline.physics.lost_steps import LostSteps
+
+FEWEST_CYCLES = 5
+SURELY, WITHIN = 0.9, 0.95
+SAYS = "The zero is another one in each cycle, by about {size:.3g} {unit}: no command foretells it."
+OR_SLIPPED = " It stands at two levels, one after the other: one slip in between leaves the same."
+
+
+def wanders_by_cycle(choice: Choice) -> bool:
+    """Whether each cycle's zero surely jitters by more than the noise; nothing slow is named."""
+    noise = choice.fit.ground.noise
+    if noise.jitter == 0.0 or set(choice.fit.names) & set(SLOW):
+        return False
+    means = zeros_of(choice)
+    return len(means) >= FEWEST_CYCLES and deviation_of(means)[1] > noise.deviation
+
+
+def zeros_of(choice: Choice) -> np.ndarray:
+    """The mean residual of each cycle that was fitted [measurement's unit]."""
+    ground = choice.fit.ground
+    residual = (ground.problem.measured - choice.fit.predicted)[ground.used]
+    numbers = ground.problem.cycle[ground.used]
+    return np.array([residual[numbers == c].mean() for c in np.unique(numbers)])
+
+
+def deviation_of(means: np.ndarray) -> tuple[float, float, float]:
+    """The deviation of Gaussian values (n,), and its 95 % interval (chi-squared)."""
+    size, free = float(np.std(means, ddof=1)), len(means) - 1
+    low, high = (size * float(np.sqrt(free / q)) for q in chi2.interval(WITHIN, free)[::-1])
+    return size, low, high
+
+
+def stepped(means: np.ndarray) -> bool:
+    """Whether Gaussian values (n,) surely stand at two levels, one after the other.
+
+    F test of the best of the n - 1 steps, for as many tests (Bonferroni).
+    """
+    count = len(means)
+    parts = [(means[:k], means[k:]) for k in range(1, count)]
+    left = min(sum(float(np.sum((p - p.mean()) ** 2)) for p in both) for both in parts)
+    gained = float(np.sum((means - means.mean()) ** 2)) - left
+    ratio = gained / max(left / (count - 2), 1e-300)
+    return bool((count - 1) * f.sf(ratio, 1, count - 2) < 1.0 - WITHIN)
+
+
+def about_each_zero(residual: np.ndarray, cycle: np.ndarray, counted: np.ndarray) -> np.ndarray:
+    """A residual (n,) less its mean over the counted rows (n,) of each cycle that has some."""
+    numbers = np.unique(cycle[counted])
+    place = np.searchsorted(numbers, cycle)
+    sums = np.bincount(place[counted], weights=residual[counted], minlength=len(numbers) + 1)
+    counts = np.bincount(place[counted], minlength=len(numbers) + 1)
+    return np.asarray(residual - (sums / np.maximum(counts, 1))[place])
+
+
+def zero_of_each_cycle(problem: Problem, choice: Choice, evidence: Evidence) -> NamedPhysics | None:
+    """The drift of a zero that wanders from cycle to cycle: the deviation of the cycles' means.
+
+    A slip that lies in a held-out cycle, or between two, leaves such zeros as well.
+    """
+    if not wanders_by_cycle(choice):
+        return None
+    means = zeros_of(choice)
+    size, low, high = deviation_of(means)
+    slipped = stepped(means)
+    unit = problem.around.angle_unit
+    off, counted = evidence.measured - evidence.after, evidence.heldout & evidence.used
+    return NamedPhysics(
+        name=Drift.name,
+        site=Drift.site,
+        probability=SURELY,
+        parameters=(Estimate("deviation", size, low, high, unit),),
+        heldout_rmse_without=float(np.sqrt(np.mean(off[counted] ** 2))),
+        alternatives=(LostSteps.name,) if slipped else (),
+        says=SAYS.format(size=size, unit=unit) + (OR_SLIPPED if slipped else ""),
+    )

@@ -1,0 +1,121 @@
+"""Mistaken or stale frames: are the outliers more than noise would give, and how large are they?"""
+
+from collections.abc import Container
+
+import numpy as np
+
+from pipeline.discrepancy.model.intervals import undated
+from pipeline.discrepancy.model.result import Estimate, Evidence, NamedPhysics, root_mean
+from pipeline.discrepancy.problem.problem import Problem
+from pipeline.discrepancy.search.explain import INCREDIBLE, Explanation
+from pipeline.physics.catalogue import term
+
+FEWEST = 3
+CREDIBLE, NEARLY_ALL = 3.0, 0.8
+FAR = 10.0
+Z, SURELY = 1.96, 0.97
+AGAIN = "In {share:.2g} of the samples the sensor says again what it said in the one before."
+STALE = (
+    "In {share:.2g} of the frames the camera shows the pose of the frame before: "
+    "they are {size:.3g} {unit} off."
+)
+
+
+def mistaken_frames(
+    explanation: Explanation, evidence: Evidence, taken: Container[str], unexplained: bool
+) -> NamedPhysics | None:
+    """Frames that are mistaken, or stale where no name taken says so; None where too few are.
+
+    unexplained: whether a structured rest is left: of that a few samples stand off as well, but by
+    less than FAR times the noise.
+    """
+    found = share_and_size(explanation)
+    if found is None:
+        return None
+    noise = explanation.choices[0].fit.ground.noise.deviation
+    if unexplained and found[1].value < FAR * noise:
+        return None
+    name = "frame_lag" if stale(explanation) and "frame_lag" not in taken else "marker_outliers"
+    off, heldout = evidence.measured - evidence.after, evidence.heldout
+    return NamedPhysics(
+        name=name,
+        site="sensor",
+        probability=SURELY,
+        parameters=found,
+        heldout_rmse_without=root_mean((off**2)[np.isfinite(off) & heldout]),
+        alternatives=(),
+        says=said_of(name, found, explanation.problem),
+    )
+
+
+def share_and_size(explanation: Explanation) -> tuple[Estimate, Estimate] | None:
+    """Share and size of the outliers with 95 % intervals, or None where there are too few.
+
+    Judged on training rows that the noise does not make credible; neighbours count once, and those
+    between which a slip may lie not at all. The share's interval is Wilson's, the size's that of a
+    mean.
+    """
+    problem, fit = explanation.problem, explanation.choices[0].fit
+    rows = incredible(explanation)
+    count, n = int(rows.sum()), int(problem.train.sum())
+    if np.sum(np.diff(np.flatnonzero(rows), prepend=-9) > 1) < FEWEST:
+        return None
+    off = np.abs(problem.measured - fit.predicted)[rows]
+    size = float(np.mean(off))
+    error = Z * float(np.std(off, ddof=1)) / np.sqrt(count)
+    unit = problem.around.angle_unit
+    return (
+        share_of(count, n),
+        Estimate("size", size, max(size - error, 0.0), size + error, unit),
+    )
+
+
+def share_of(count: int, n: int) -> Estimate:
+    """A share of n with Wilson's interval."""
+    middle = (count + 0.5 * Z**2) / (n + Z**2)
+    reach = Z / (n + Z**2) * np.sqrt(count * (n - count) / n + 0.25 * Z**2)
+    return Estimate("share", count / n, max(middle - reach, 0.0), middle + reach, "")
+
+
+def stale_now_and_then(problem: Problem, evidence: Evidence) -> NamedPhysics | None:
+    """Samples that repeat the one before without a rhythm, so that it is no slower sensor's."""
+    if problem.stale.even:
+        return None
+    came = evidence.recording.values(evidence.measurement)
+    known, new = np.isfinite(came), np.isfinite(evidence.measured)
+    share = share_of(int(np.sum(known & ~new)), int(known.sum()))
+    last = np.maximum.accumulate(np.where(new, np.arange(len(new)), 0))
+    held = known & evidence.heldout[last]
+    return NamedPhysics(
+        name="frame_lag",
+        site="sensor",
+        probability=SURELY,
+        parameters=(share,),
+        heldout_rmse_without=float(np.sqrt(np.mean((came - evidence.after)[held] ** 2))),
+        alternatives=(),
+        says=AGAIN.format(share=share.value),
+    )
+
+
+def incredible(explanation: Explanation) -> np.ndarray:
+    """Training rows (n,) that are off by more than the noise makes credible, but for a slip's."""
+    problem, fit = explanation.problem, explanation.choices[0].fit
+    rows = problem.train & explanation.outliers & ~undated(fit, problem.motion.time_s)
+    off = np.abs(problem.measured - fit.predicted)
+    return np.asarray(rows & (off > INCREDIBLE * fit.ground.noise.deviation))
+
+
+def stale(explanation: Explanation) -> bool:
+    """Whether mistaken frames are nearly all what the frame before them should have shown."""
+    problem, fit = explanation.problem, explanation.choices[0].fit
+    rows = np.flatnonzero(incredible(explanation))
+    off = np.abs(problem.measured[rows] - fit.predicted[rows - 1])
+    return bool(np.mean(off < CREDIBLE * fit.ground.noise.deviation) > NEARLY_ALL)
+
+
+def said_of(name: str, found: tuple[Estimate, Estimate], problem: Problem) -> str:
+    """One line for a mechanic on mistaken or, as `frame_lag`, stale frames."""
+    share, size = (e.value for e in found)
+    if name == "frame_lag":
+        return STALE.format(share=share, size=size, unit=problem.around.angle_unit)
+    return term(name).sentence(np.array([share, size]), problem.around)

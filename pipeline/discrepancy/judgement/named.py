@@ -1,0 +1,125 @@
+"""The names of a diagnosis: of its terms, and of what no term of a search can show."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from pipeline.discrepancy.fitting.fit import evaluate, improve
+from pipeline.discrepancy.judgement.by_direction import by_direction, said_of_ways
+from pipeline.discrepancy.judgement.cycle_zero import zero_of_each_cycle
+from pipeline.discrepancy.judgement.first_slip import is_start
+from pipeline.discrepancy.judgement.mistaken import mistaken_frames, stale_now_and_then
+from pipeline.discrepancy.judgement.rivals import mechanism_of
+from pipeline.discrepancy.judgement.structure import Structure
+from pipeline.discrepancy.model.intervals import estimates, stated
+from pipeline.discrepancy.model.result import Evidence, NamedPhysics
+from pipeline.discrepancy.search.choose import Choice
+from pipeline.discrepancy.search.explain import Explanation
+from pipeline.discrepancy.search.ties import standing
+from pipeline.physics.coupling import Coupling
+from pipeline.physics.force_term import ForceTerm
+from pipeline.physics.mechanism import Piece
+
+SUREST = 0.98
+SURPLUS = " The simulation has that much too much of it."
+
+
+def named_physics(
+    explanation: Explanation,
+    best: Choice,
+    evidence: Evidence,
+    structure: Structure,
+    covariance: np.ndarray,
+) -> tuple[NamedPhysics, ...]:
+    """Every term of the best choice, and what the sensor or each cycle's zero does beside them."""
+    out: dict[str, NamedPhysics] = {}
+    for found in of_terms(explanation, best, evidence, structure, covariance):
+        before = out.get(found.name)
+        out[found.name] = found if before is None else together(before, found)
+    force = explanation.problem.motion.kinetics is not None
+    beside = [stale_now_and_then(explanation.problem, evidence)]
+    if not force:
+        told = {*out, *(b.name for b in beside if b is not None)}
+        if not structure.found:
+            beside.append(zero_of_each_cycle(explanation.problem, best, evidence))
+        if out or not structure.found:
+            beside.append(mistaken_frames(explanation, evidence, told, structure.found))
+    for own in beside:
+        if own is not None:
+            out.setdefault(own.name, own)
+    return tuple(out.values())
+
+
+def of_terms(
+    explanation: Explanation,
+    best: Choice,
+    evidence: Evidence,
+    structure: Structure,
+    covariance: np.ndarray,
+) -> Iterator[NamedPhysics]:
+    """What each piece of the best choice is: half as probable where a rest is left unexplained.
+
+    Not how a wire lay at the start.
+    """
+    problem, fit = explanation.problem, best.fit
+    mopping = structure.found and problem.motion.kinetics is None
+    for piece, own in estimates(fit, covariance):
+        name = piece.term.name
+        if is_start(fit, piece):
+            continue
+        stands = standing(name, best, explanation.choices, problem)
+        if isinstance(piece.term, Coupling) and fit.names.count(name) > 1:
+            own = tuple(replace(e, name=f"{e.name} of {piece.term.channel}") for e in own)
+        ways = by_direction(best, piece, explanation.search.family)
+        says = piece.term.sentence(stated(fit, piece), problem.around)
+        yield NamedPhysics(
+            name=name,
+            site=piece.term.site,
+            probability=min(stands.probability * (0.5 if mopping else 1.0), SUREST),
+            parameters=(*own, *ways),
+            heldout_rmse_without=error_without(best, name, evidence),
+            alternatives=stands.alternatives,
+            says=says + said_of_surplus(piece) + said_of_ways(piece, ways),
+        )
+
+
+def said_of_surplus(piece: Piece) -> str:
+    """That the simulation has too much of a force, where its size is negative; "" elsewhere."""
+    return SURPLUS if isinstance(piece.term, ForceTerm) and piece.values[0] < 0.0 else ""
+
+
+def together(one: NamedPhysics, other: NamedPhysics) -> NamedPhysics:
+    """Two pieces of one name, as its two sides are."""
+    parameters = (*one.parameters, *other.parameters)
+    return replace(one, parameters=parameters, says=f"{one.says} {other.says}")
+
+
+def error_without(best: Choice, name: str, evidence: Evidence) -> float:
+    """Held-out error of the refitted rest when a name is taken out."""
+    rest = [p for p in best.fit.pieces if p.term.name != name]
+    fit = improve(evaluate(best.fit.ground, rest))
+    mechanism = mechanism_of(fit.ground.problem, Choice(fit, best.place, 0.0))
+    return evidence.errors(mechanism.respond(evidence.motion)[0]).heldout_rmse
+
+
+def verdict_of(
+    explanation: Explanation,
+    best: Choice,
+    physics: Sequence[NamedPhysics],
+    structure: Structure,
+) -> str:
+    """One of the contract's verdicts."""
+    if structure.found:
+        return "partly_explained" if physics else "unknown_physics"
+    if not physics:
+        return "no_mismatch"
+    unsettled = any(_unsettled(p, explanation, best) for p in physics)
+    return "ambiguous" if unsettled else "explained"
+
+
+def _unsettled(physics: NamedPhysics, explanation: Explanation, best: Choice) -> bool:
+    """Whether a name has others in its place that these data can't tell from it."""
+    if physics.name not in best.fit.names:
+        return bool(physics.alternatives)
+    return standing(physics.name, best, explanation.choices, explanation.problem).tied

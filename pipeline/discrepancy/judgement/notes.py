@@ -1,0 +1,236 @@
+"""What a diagnosis notes beside its names: what was left out, moved or assumed, with its count."""
+
+import numpy as np
+
+from pipeline.discrepancy.fitting.calibration import FAR_OFF
+from pipeline.discrepancy.judgement.first_slip import start_note
+from pipeline.discrepancy.judgement.verdict import intolerable
+from pipeline.discrepancy.model.result import Evidence, root_mean
+from pipeline.discrepancy.problem.fitted import LOOSE_GAIN
+from pipeline.discrepancy.problem.inputs import input_shares, said_shares
+from pipeline.discrepancy.problem.problem import Problem
+from pipeline.discrepancy.search.accuracy import hidden
+from pipeline.discrepancy.search.choose import Choice
+from pipeline.discrepancy.search.explain import Explanation
+from pipeline.physics.differentiation import Derivatives
+from pipeline.recording import Recording
+
+WORTH_SAYING, NEARER = 0.25, 0.7
+
+
+def notes(
+    problem: Problem, explanation: Explanation, best: Choice, evidence: Evidence, every: int
+) -> tuple[str, ...]:
+    """What was left out or assumed, with its count."""
+    out = []
+    if intolerable(best):
+        gain, offset = best.fit.nuisance[:2]
+        out.append(
+            f"The calibration (gain {gain:.3g}, offset {offset:.3g} {problem.around.angle_unit}) "
+            f"is more than {FAR_OFF:.0f} tolerances off: check it, or declare "
+            "`diagnosis.tolerance`."
+        )
+    out += still_note(problem, best) or free_gain_note(problem, best)
+    out += start_note(best.fit)
+    out += doubled_note(evidence.recording)
+    out += sample_notes(problem)
+    if problem.counted:
+        out.append(
+            f"{problem.drive} was recorded in counts of {problem.counted:.3g} "
+            f"{problem.around.drive_unit}, and the measurement does not go in such steps: the "
+            "smoothest motion within half a count drives the terms."
+        )
+    if problem.rough:
+        out.append(
+            f"{problem.drive} was recorded with noise of its own ({problem.rough:.2g} "
+            f"{problem.around.drive_unit}), which the measurement does not follow: the smoothest "
+            "motion within it drives the terms."
+        )
+    outliers = int((np.isfinite(problem.measured) & ~evidence.used).sum())
+    if outliers:
+        out.append(f"{outliers} samples stand off from their neighbours and were not counted.")
+    if problem.derivatives is not None:
+        out += force_notes(problem, problem.derivatives, every)
+    elif every > 1:
+        out.append(f"Terms were fitted on every {every}th sample and all reversals.")
+    if not problem.static:
+        out.append(
+            "The simulation is no static curve of one command: terms act on its trace. What acts "
+            "on the drive before it (play, ripple, slips in the transmission) could not be put in "
+            "front of it, and is fitted as if it came after."
+        )
+        out += nearer_note(problem, evidence)
+    out += driven_note(problem, evidence)
+    out += walking_note(problem, best)
+    if explanation.prior.repeats == 0:
+        out.append("No cycle repeats another: the noise was learnt from what is rough alone.")
+    return tuple(out)
+
+
+def doubled_note(recording: Recording) -> list[str]:
+    """How many rows repeat the one before, time and all: a log may have written them twice."""
+    rows = recording.samples[["time_s", *(channel.name for channel in recording.channels)]]
+    doubled = int((rows.diff().iloc[1:] == 0.0).all(axis=1).sum())
+    if doubled == 0:
+        return []
+    return [
+        f"{doubled} of {len(rows)} rows repeat the one before to the last digit, time and all, and "
+        "count like others: if the log wrote them twice, leave them out, or the noise looks less."
+    ]
+
+
+def sample_notes(problem: Problem) -> list[str]:
+    """Samples that count for nothing, and why."""
+    out = []
+    again = int(problem.stale.rows.sum())
+    if again:
+        why = "the sensor is slower than the log" if problem.stale.even else "it hangs now and then"
+        out.append(
+            f"{again} of {len(problem.measured)} samples say to the last digit what the one before "
+            f"said, while the motion went on: {why}, and they do not count."
+        )
+    hung = int(problem.stale.hung.sum())
+    if hung:
+        out.append(
+            f"{hung} of {len(problem.measured)} samples stand at one value while the motion went "
+            "on, and then leap to where it is: the sensor hung, and they do not count."
+        )
+    missing = int((~np.isfinite(problem.measured)).sum()) - again - hung
+    if missing:
+        out.append(f"{missing} of {len(problem.measured)} samples were not measured.")
+    return out
+
+
+def free_gain_note(problem: Problem, best: Choice) -> list[str]:
+    """What became of a simulation's gain that was no knowledge, see `fitted.py`."""
+    gain = float(best.fit.nuisance[0])
+    if problem.tolerance.gain < LOOSE_GAIN or abs(gain - 1.0) < WORTH_SAYING:
+        return []
+    return [
+        f"The simulation's gain is {gain:.3g}: it was left free, as the simulation was fitted to "
+        "this measurement, or jumps with the direction as rigid friction does."
+    ]
+
+
+def still_note(problem: Problem, best: Choice) -> list[str]:
+    """That the simulation does not move, and what stands in its place."""
+    if problem.still is None or not problem.static:
+        return []
+    unit, drive = f"{problem.around.angle_unit}/{problem.around.drive_unit}", problem.motion.drive
+    gain = float(best.fit.nuisance[0] * np.ptp(problem.simulated) / np.ptp(drive))
+    sign = np.sign(np.polyfit(drive, problem.simulated, 1)[0])
+    return [
+        f"The simulation does not move: a line in {problem.drive} stands in its place, whose gain "
+        f"({sign * gain:.3g} {unit}) and zero were fitted beside the names."
+    ]
+
+
+def walking_note(problem: Problem, best: Choice) -> list[str]:
+    """How far a zero that walks goes in a cycle, in words, where that is more than the noise."""
+    noise = best.fit.ground.noise
+    rows = len(best.fit.ground.used) / len(np.unique(best.fit.ground.problem.cycle))
+    far = noise.walk * float(np.sqrt(rows))
+    if far < noise.deviation:
+        return []
+    return [
+        f"The zero walks by about {far:.2g} {problem.around.angle_unit} in a cycle, which no "
+        "commands foretell: the errors hold that too, the noise does not."
+    ]
+
+
+def force_notes(problem: Problem, found: Derivatives, every: int) -> list[str]:
+    """How velocity and acceleration were found, and what a fitted row is."""
+    out = ["Velocity and acceleration are central differences of the position."]
+    if np.isfinite(found.cutoff_hz):
+        out[0] = (
+            "Velocity and acceleration are central differences of the position after a low-pass "
+            f"without delay at {found.cutoff_hz:.3g} Hz (sampled at {found.rate_hz:.4g} Hz)."
+        )
+    if found.resampled:
+        out.append(f"Samples stand unevenly: an even grid of {found.rate_hz:.4g} Hz stood between.")
+    delay = problem.delay
+    if delay.value != 0.0:
+        low, high = sorted(abs(1e3 * end) for end in (delay.low, delay.high))
+        out.append(
+            f"The force was recorded {abs(1e3 * delay.value):.3g} ms ({low:.3g} to {high:.3g}) "
+            f"{'after' if delay.value > 0.0 else 'before'} the motion that it belongs to: the "
+            "motion was moved there."
+        )
+    ends = int(np.sum(np.isfinite(problem.measured) & ~found.known))
+    out.append(
+        f"{ends} samples at the ends and beside holes, where the derivatives see one side, do not "
+        "count."
+    )
+    if every > 1:
+        out.append(f"Terms were fitted on means over {every} samples of force and terms alike.")
+    if not problem.around.simulated:
+        out.append("Nothing simulates the force: all of it counts as left out.")
+    return out
+
+
+def accuracy_note(explanation: Explanation, best: Choice) -> list[str]:
+    """That the declared accuracy decided, and what it may hide, in words."""
+    problem = explanation.problem
+    unit, size = problem.around.angle_unit, smooth_error(best)
+    out = [
+        f"Once gain, offset and curve are right, less is left than the accuracy of the measurement "
+        f"that was declared ({problem.tolerance.accuracy:g} {unit}): no name was looked for in it."
+    ]
+    if size is not None:
+        out.append(
+            f"A smooth error over every command ({size:.3g} {unit} RMS) is taken for the "
+            "measurement's own and corrected with gain and offset: it foretells later samples."
+        )
+    found = hidden(explanation.search, best)
+    if found is not None:
+        name, without, with_it = found
+        out.append(
+            f"Within that accuracy {name} may be hidden: with it, later samples of those fitted "
+            f"would be foretold to {with_it:.3g} {unit}, without it to {without:.3g} {unit} (RMS)."
+        )
+    return out
+
+
+def nearer_note(problem: Problem, evidence: Evidence) -> list[str]:
+    """That a line in a command is nearer to the measurement than the simulation, where it is."""
+    rows, recording = problem.train & evidence.used, evidence.recording
+    measured = problem.measured[rows]
+
+    def off_line(values: np.ndarray) -> float:
+        if not np.ptp(values[rows]) > 0.0:
+            return np.inf
+        line = np.polyfit(values[rows], measured, 1)
+        return float(np.std(measured - np.polyval(line, values[rows])))
+
+    off = {c.name: off_line(recording.values(c.name)) for c in recording.with_role("command")}
+    name, own = min(off, key=lambda n: off[n]), off_line(problem.simulated)
+    if off[name] > NEARER * own:
+        return []
+    unit = problem.around.angle_unit
+    return [
+        f"A line in {name} alone is nearer to the measurement ({off[name]:.3g} {unit}) than one in "
+        f"the simulation ({own:.3g} {unit}): the simulation may lag, or move, where the mechanism "
+        "does not. Without it (`simulation=affine`) more may be found."
+    ]
+
+
+def driven_note(problem: Problem, evidence: Evidence) -> list[str]:
+    """Which commands drive the measurement, as corrected and as the simulation came, in words."""
+    recording = evidence.recording
+    commands = {c.name: recording.values(c.name) for c in recording.with_role("command")}
+    known = np.isfinite(problem.measured) & np.isfinite(problem.simulated)
+    own = input_shares(evidence.after, commands, known)
+    if len(own) < 2:
+        return []
+    came = input_shares(problem.simulated, commands, known)
+    before = f"; the simulation as it came: {said_shares(came)}" if came else ""
+    return [f"{evidence.measurement} is driven {said_shares(own)}{before}."]
+
+
+def smooth_error(choice: Choice) -> float | None:
+    """Root mean square over the rows fitted of the smooth error; None where none is allowed."""
+    fit = choice.fit
+    if len(fit.nuisance) < 3:
+        return None
+    own = fit.ground.calibrating(fit.trace)[:, 2:] @ fit.nuisance[2:]
+    return root_mean(own[fit.ground.used] ** 2)

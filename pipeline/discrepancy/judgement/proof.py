@@ -1,0 +1,149 @@
+"""The proof: what a prediction by commands alone leaves, on held-out samples, too."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from pipeline.discrepancy.judgement.cycle_zero import about_each_zero, wanders_by_cycle
+from pipeline.discrepancy.judgement.structure import (
+    CHANCE,
+    SLOW_CORRELATION,
+    SMALLEST_SIZE,
+    Structure,
+    mismatch_variance,
+    rounded,
+)
+from pipeline.discrepancy.model.intervals import undated
+from pipeline.discrepancy.model.result import root_mean
+from pipeline.discrepancy.noise.noise import NoiseModel
+from pipeline.discrepancy.noise.wander import comes_back
+from pipeline.discrepancy.problem.outliers import isolated
+from pipeline.discrepancy.problem.problem import Problem
+from pipeline.discrepancy.search.choose import Choice
+from pipeline.discrepancy.search.explain import Explanation, settled_rows
+from pipeline.discrepancy.search.explain import refuted as unrepeated
+
+TWICE, HALF, FAR = 2.0, 0.5, 1.5
+FEWEST_BEYOND = 20
+HELDOUT = "on held-out samples, which the fit to the others does not predict"
+SLOWLY = "slow changes that come back, as no zero that wanders does"
+BEYOND = "at held-out commands beyond the range of those fitted"
+UNWITNESSED = "slow changes, and no cycle repeats another to show that they are a zero that walks"
+
+UNLIKE_REPEATS = (
+    "slow changes, and cycles that repeat another show that they are no zero that walks"
+)
+
+
+def disproved(
+    problem: Problem,
+    explanation: Explanation,
+    choice: Choice,
+    off: np.ndarray,
+    structure: Structure,
+) -> Structure:
+    """The structure that shows where every row is predicted from the start of the recording.
+
+    off: (n,) measurement minus that prediction, over all samples of the problem. Lone rows, and
+    those between which a slip may lie, are not counted. The noise that goes with the fit may walk,
+    and so take for noise what follows the commands slowly: then a slow part that comes back to its
+    level is surely likelier than a walk of any size (`wander.py`). Where each cycle has another
+    zero, that is taken off. Of a force against motion, whose rest is slow in any case, that is not
+    asked.
+    """
+    noise = choice.fit.ground.noise
+    off, counted = counted_errors(problem, explanation, choice, off)
+    if refuted(problem, off, counted):
+        return replace(structure, found=True, where=HELDOUT)
+    if problem.derivatives is not None or rounded(explanation, choice):
+        return structure
+    used = counted & settled_rows(problem, explanation.prior) & (problem.train | problem.heldout)
+    walking = taken_for_a_walk(explanation, choice, off[used & problem.train])
+    if walking is not None:
+        return replace(structure, found=True, where=walking)
+    stands = problem.motion.stands
+    gain, likely = comes_back(off, problem.cycle, used, stands, noise, SLOW_CORRELATION)
+    large = likely.correlated > SMALLEST_SIZE * noise.deviation
+    if not (large and likely.correlation > SLOW_CORRELATION and gain > -2.0 * np.log(CHANCE)):
+        return structure
+    share = min(likely.correlated**2 / mismatch_variance(explanation), 1.0)
+    p_value = min(structure.p_value, float(np.exp(-0.5 * gain)))
+    return Structure(True, SLOWLY, share, p_value, wandering=likely)
+
+
+def counted_errors(
+    problem: Problem, explanation: Explanation, choice: Choice, off: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Errors (n,), less each cycle's zero where these differ, and the rows (n,) that count."""
+    lone = isolated(off, problem.train, explanation.prior.finest)
+    counted = ~lone & ~undated(choice.fit, problem.motion.time_s)
+    if wanders_by_cycle(choice):
+        off = about_each_zero(off, problem.cycle, counted & np.isfinite(off))
+    return off, counted
+
+
+def refuted(problem: Problem, off: np.ndarray, counted: np.ndarray) -> bool:
+    """Whether the held-out rows refute what the training rows seemed to say.
+
+    They do where the error `off` (n,) on counted rows (n,) is there over twice that on training
+    rows and half of what it was before. What lies beyond the commands fitted refutes nothing.
+    """
+    heldout = within(problem, counted)
+    before = (problem.measured - problem.simulated)[heldout]
+    left, fitted = root_mean(off[heldout] ** 2), root_mean(off[problem.train & counted] ** 2)
+    return left > TWICE * fitted and left > HALF * root_mean(before**2)
+
+
+def strained(
+    problem: Problem, off: np.ndarray, counted: np.ndarray, noise: NoiseModel
+) -> str | None:
+    """Where held-out rows (as in `disproved`) are off by more than usual, though none refuted.
+
+    Names stay then: they may hold, though not all is said; what holds between the commands that
+    were fitted holds there all the same if it errs beyond them.
+    """
+    least = usual(off[problem.train & counted], noise)
+    if root_mean(off[within(problem, counted)] ** 2) > least:
+        return HELDOUT
+    far = problem.heldout & counted & beyond(problem)
+    if far.sum() >= FEWEST_BEYOND and root_mean(off[far] ** 2) > least:
+        return BEYOND
+    return None
+
+
+def within(problem: Problem, counted: np.ndarray) -> np.ndarray:
+    """Held-out rows (n,) that count, without those beyond the commands fitted if any is left."""
+    heldout = problem.heldout & counted
+    inside = heldout & ~beyond(problem)
+    return inside if np.any(inside) else heldout
+
+
+def beyond(problem: Problem) -> np.ndarray:
+    """Rows (n,) whose command is beyond the range of those to fit on."""
+    drive = problem.motion.drive
+    fitted = drive[problem.train]
+    return (drive < fitted.min()) | (drive > fitted.max())
+
+
+def usual(left: np.ndarray, noise: NoiseModel) -> float:
+    """The largest error of other rows to be expected, given what is left of those fitted, (k,).
+
+    A zero that walks is elsewhere in other rows, and so is one that jumps by the cycle.
+    """
+    own = max(root_mean(left**2), float(np.hypot(noise.deviation, 2.0 * noise.jitter)))
+    return (TWICE if noise.walk > 0.0 else FAR) * own
+
+
+def taken_for_a_walk(explanation: Explanation, choice: Choice, left: np.ndarray) -> str | None:
+    """Whether a zero that walks takes most of what names leave, (k,), and no cycles bear it out.
+
+    What a recording samples finely it changes slowly, physics and zero alike: only cycles that
+    repeat would witness that it is the zero. Where they do, they may speak against it.
+    """
+    noise = choice.fit.ground.noise
+    most = root_mean(left**2) > TWICE * float(np.hypot(noise.deviation, noise.jitter))
+    if not (choice.fit.pieces and noise.walk > 0.0 and most):
+        return None
+    if explanation.prior.repeats == 0:
+        return UNWITNESSED
+    return UNLIKE_REPEATS if unrepeated(explanation.search, choice) else None

@@ -1,0 +1,57 @@
+"""What foretells the rows after a recording: the explanation, refitted to all that was measured."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from pipeline.discrepancy.fitting.fit import Fit, evaluate, ground_of, improve
+from pipeline.discrepancy.fitting.moments import moments, moments_of, moved, settle_moments
+from pipeline.discrepancy.model.intervals import moment_interval, undated
+from pipeline.discrepancy.problem.outliers import isolated
+from pipeline.discrepancy.problem.problem import Problem
+from pipeline.discrepancy.search.choose import SLOW, Choice
+from pipeline.discrepancy.search.explain import INCREDIBLE, Explanation, settled_rows
+
+COARSE = 8
+
+
+def likeliest(explanation: Explanation, choice: Choice) -> Choice:
+    """The likeliest of the choices that differ from one in slow terms alone.
+
+    A zero that may as well wander by chance is not named; it goes on as it most likely does.
+    """
+    quiet = set(choice.fit.names) - set(SLOW)
+    alike = [c for c in explanation.choices if set(c.fit.names) - set(SLOW) == quiet]
+    return min([choice, *alike], key=lambda c: c.score)
+
+
+def refitted(problem: Problem, explanation: Explanation, choice: Choice) -> Choice:
+    """A choice fitted to the held-out rows too, with the terms, forms and noise that were chosen.
+
+    For rows after the recording alone: what is said of its own rows has seen no held-out one.
+    Held-out rows that stand off are left out, but not those between which a slip lies: now they
+    tell when it was. problem: its rows as a fit takes them, all of them.
+    """
+    fit, prior = choice.fit, explanation.prior
+    known = replace(problem, train=problem.train | problem.heldout)
+    ground = ground_of(known, fit.ground.noise, problem.train & settled_rows(problem, prior))
+    off = known.measured - evaluate(ground, fit.pieces).predicted
+    noise = fit.ground.noise
+    odd = isolated(off, known.train, prior.finest)
+    odd |= np.abs(off) > INCREDIBLE * np.hypot(noise.deviation, noise.jitter)
+    odd &= ~undated(fit, known.motion.time_s)
+    used = known.train & settled_rows(known, prior) & ~odd
+    whole = dated(evaluate(replace(ground, used=used), fit.pieces), fit)
+    return replace(choice, fit=settle_moments(improve(whole)))
+
+
+def dated(fit: Fit, earlier: Fit) -> Fit:
+    """The fit with each slip near the likeliest of the moments that an earlier fit left open."""
+    times = moments(fit)
+    for i, piece in enumerate(earlier.pieces):
+        for j in moments_of(earlier, piece):
+            low, high = moment_interval(earlier, i, j)
+            open_s = times[(times > low) & (times < high)][::COARSE]
+            trials = [moved(fit, i, j, t) for t in open_s]
+            fit = min([fit, *trials], key=lambda trial: trial.cost)
+    return fit

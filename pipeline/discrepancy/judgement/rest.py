@@ -1,0 +1,159 @@
+"""The structured rest: what flexible curves still find in a residual that no term explains."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.special import chdtrc
+
+from pipeline.discrepancy.fitting.fit import Fit, evaluate
+from pipeline.discrepancy.noise.family import NoiseFamily
+from pipeline.discrepancy.noise.hats import hats
+from pipeline.discrepancy.noise.learning import NoisePrior
+from pipeline.discrepancy.noise.noise import NoiseModel
+from pipeline.discrepancy.problem.problem import Problem
+from pipeline.discrepancy.search.choose import Choice
+from pipeline.recording import branch_of, reversals_of
+
+FINE, COARSE, TRAVELS = 24, 5, 12
+STIFFENING = 1e-3
+FEWEST_AGAIN = 2
+UNIFORM, HUMPS = 1.8, 4.0
+
+
+@dataclass(frozen=True)
+class Rest:
+    """What one family of curves finds: fall of the cost, its degrees of freedom, and its size.
+
+    size: root mean square [measurement's unit] of the structure, were the noise white, beyond what
+    chance gives.
+    """
+
+    where: str
+    gain: float
+    freedom: int
+    p_value: float
+    size: float
+
+
+def structured_rest(choice: Choice, family: NoiseFamily) -> list[Rest]:
+    """What each family of flexible curves finds in a choice's residual, the surest first.
+
+    Calibration, terms (to first order) and noise are refitted beside the curves.
+    """
+    fit = choice.fit
+    problem, ground = fit.ground.problem, fit.ground
+    residual = np.where(ground.used, problem.measured - fit.predicted, 0.0)
+    cost = family.weigh(choice.place, residual)[0]
+    taken = followed(fit)
+    out = []
+    for where, columns in curves(problem).items():
+        rest, freedom = _without(residual, columns, choice, taken)
+        place = family.pick(rest, choice.place)[1]
+        better = family.weigh(place, rest)[0]
+        gain = max(cost - better, 0.0)
+        count = ground.count / ground.noise.spell
+        size = ground.noise.deviation * float(np.sqrt(max(gain - freedom, 0.0) / count))
+        out.append(Rest(where, gain, freedom, float(chdtrc(freedom, gain)), size))
+    return sorted(out, key=lambda r: r.p_value)
+
+
+def repeated_rest(choice: Choice, prior: NoisePrior) -> Rest:
+    """What cycles that repeat have in common at each step in a choice's residual, of any shape.
+
+    Their innovations' mean over the repeats of a step, against what is different between them: the
+    test of lack of fit by pure error (Draper and Smith, Applied Regression Analysis, section 2.1).
+    It needs no curves and finds what is finer than theirs.
+    """
+    ground = choice.fit.ground
+    found = np.full(len(ground.used), np.nan)
+    found[ground.used] = choice.fit.innovations
+    gain, freedom, count = 0.0, 0, 0
+    for rows in prior.groups:
+        values = np.where(rows >= 0, found[rows], np.nan)
+        repeats = np.isfinite(values).sum(axis=0)
+        again = repeats >= FEWEST_AGAIN
+        gain += float(np.sum(repeats[again] * np.nanmean(values[:, again], axis=0) ** 2))
+        freedom += int(again.sum())
+        count += int(repeats[again].sum())
+    size = ground.noise.deviation * float(np.sqrt(max(gain - freedom, 0.0) / max(count, 1)))
+    return Rest("each cycle alike", gain, freedom, float(chdtrc(max(freedom, 1), gain)), size)
+
+
+def two_valued(fit: Fit) -> bool:
+    """Whether a fit's innovations are surely flatter than a uniform distribution.
+
+    Of all distributions with one hump the uniform one is the flattest, its excess kurtosis -1.2
+    (Darlington, Am. Stat. 24 (1970) 19), known from n samples to about 1 / sqrt(n): then there are
+    two humps, as of a sensor that changes between two zeros.
+    """
+    e = fit.innovations - fit.innovations.mean()
+    kurtosis = float(np.mean(e**4)) / max(float(np.mean(e**2)) ** 2, 1e-300)
+    return kurtosis < UNIFORM - HUMPS / np.sqrt(len(e))
+
+
+def followed(fit: Fit) -> np.ndarray:
+    """Orthonormal columns of all that calibration and terms can follow, (n, m), not whitened."""
+    ground = fit.ground
+    plain = evaluate(ground.with_noise(NoiseModel(1.0)), fit.pieces)
+    out = np.zeros((len(ground.used), plain.basis.shape[1]))
+    out[ground.used] = plain.basis
+    return out
+
+
+def _without(
+    residual: np.ndarray, columns: np.ndarray, choice: Choice, taken: np.ndarray
+) -> tuple[np.ndarray, int]:
+    """The residual less what the columns explain beside those taken, and how many do."""
+    ground = choice.fit.ground
+    columns = np.where(ground.used[:, None], columns, 0.0)
+    white, own = ground.whiten(columns), np.linalg.pinv(ground.whiten(taken))
+    columns = columns - taken @ (own @ white)
+    free = ground.whiten(columns)
+    size = np.sqrt(np.einsum("ij,ij->j", free, free))
+    keep = size > 1e-6 * max(float(size.max(initial=0.0)), 1e-12)
+    free, columns = free[:, keep], columns[:, keep]
+    normal = free.T @ free
+    normal += STIFFENING * np.trace(normal) / max(len(normal), 1) * np.eye(len(normal))
+    weights = np.linalg.solve(normal, free.T @ choice.fit.innovations)
+    return residual - columns @ weights, int(keep.sum())
+
+
+def curves(problem: Problem) -> dict[str, np.ndarray]:
+    """Families of curves over what a residual may depend on, each (n, k)."""
+    motion = problem.motion
+    drive, cycle = motion.drive, motion.cycle
+    up = branch_of(drive) > 0
+    ways = [up, ~up]
+    out: dict[str, np.ndarray] = {}
+    if np.ptp(drive) > 0:
+        fine = hats(drive, FINE)
+        out["the command and its direction"] = np.column_stack([fine * w[:, None] for w in ways])
+        coarse = hats(drive, COARSE)
+        numbers = np.unique(cycle[problem.train])
+        if len(numbers) > 3:
+            odd = (cycle % 2 == 1)[:, None]
+            out["every other cycle"] = np.column_stack([fine * (w[:, None] & odd) for w in ways])
+        if 1 < len(numbers) <= 20:
+            out["the cycle"] = np.column_stack(
+                [coarse * (w & (cycle == c))[:, None] for c in numbers for w in ways]
+            )
+            size = np.column_stack([drive, np.ones(len(drive))])
+            out["the gain in each cycle"] = np.column_stack(
+                [size * (cycle == c)[:, None] for c in numbers]
+            )
+        travel = travelled(drive)
+        out["the travel since the last reversal"] = np.column_stack(
+            [hats(np.sqrt(travel), TRAVELS) * w[:, None] for w in ways]
+        )
+    for name, other in motion.others.items():
+        if np.ptp(other) > 0:
+            moving = branch_of(other) > 0
+            out[name] = np.column_stack([hats(other, 8) * w[:, None] for w in (moving, ~moving)])
+    return out
+
+
+def travelled(drive: np.ndarray) -> np.ndarray:
+    """Way since the last reversal, (n,) [drive unit]; from the first sample before any."""
+    turns = np.concatenate([[0], reversals_of(drive)])
+    last = turns[np.searchsorted(turns, np.arange(len(drive)), side="right") - 1]
+    return np.abs(drive - drive[last])

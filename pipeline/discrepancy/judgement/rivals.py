@@ -1,0 +1,71 @@
+"""Rivals: the explanations that compete with the chosen one, and how likely each is."""
+
+from dataclasses import replace
+
+from pipeline.discrepancy.fitting.fit import evaluate
+from pipeline.discrepancy.model.model import Hypothesis
+from pipeline.discrepancy.model.zero import zero_at_end
+from pipeline.discrepancy.problem.problem import Problem
+from pipeline.discrepancy.search.choose import Choice, extended
+from pipeline.discrepancy.search.explain import Explanation
+from pipeline.discrepancy.search.ties import (
+    BENDS,
+    RIVAL_GAP,
+    as_itself,
+    by_names,
+    equivalents,
+    names,
+    plain,
+    weights_of,
+)
+from pipeline.physics.mechanism import Mechanism
+
+RIVALS = 6
+
+
+def hypotheses_of(
+    problem: Problem, explanation: Explanation, best: Choice
+) -> tuple[Hypothesis, ...]:
+    """The explanations that compete: the chosen one, and the others by their probability."""
+    every = [*explanation.choices, *swapped(explanation, best)]
+    near = [c for c in by_names(every) if c.score < best.score + RIVAL_GAP]
+    known = {names(c) for c in near}
+    distinct = [c for c in near if c is best or as_itself(c, best) or plain(c) not in known]
+    if all(c is not best for c in distinct):
+        distinct = [best]
+    weights = weights_of(distinct)
+    found = [
+        Hypothesis(c.fit.names, float(w), mechanism_of(problem, c), zero_at_end(problem, c.fit))
+        for c, w in sorted(
+            zip(distinct, weights, strict=True), key=lambda x: (x[0] is not best, -x[1])
+        )
+    ]
+    return tuple(found[:RIVALS])
+
+
+def swapped(explanation: Explanation, best: Choice) -> list[Choice]:
+    """The best choice with a name swapped for one that such commands can't tell from it.
+
+    Only those that the search has left out: it keeps few of those that fit alike.
+    """
+    search, tried, out = explanation.search, {names(c) for c in explanation.choices}, []
+    for name in dict.fromkeys(best.fit.names):
+        rest = [p for p in best.fit.pieces if p.term.name != name]
+        rivals = set(equivalents(name, explanation.problem)) - BENDS
+        left_out = {r for r in rivals if names(best) - {name} | {r} not in tried}
+        if left_out:
+            own = replace(search, terms=tuple(t for t in search.terms if t.name in left_out))
+            out += extended(own, replace(best, fit=evaluate(best.fit.ground, rest)))
+    return out
+
+
+def mechanism_of(problem: Problem, choice: Choice) -> Mechanism:
+    """The choice's mechanism with its calibration."""
+    fit = choice.fit
+    return Mechanism(
+        problem.curve,
+        fit.pieces,
+        float(fit.nuisance[0]),
+        float(fit.nuisance[1]),
+        fit.ground.nuisances.error(fit.nuisance),
+    )

@@ -1,0 +1,179 @@
+"""Structure: is what a choice of terms leaves more than noise, and where does it show?"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from pipeline.discrepancy.judgement.force_rest import (
+    after_reversals,
+    left_by,
+    mean_square,
+    too_slow,
+)
+from pipeline.discrepancy.judgement.rest import Rest, repeated_rest, structured_rest, two_valued
+from pipeline.discrepancy.noise.family import WALKS, Place
+from pipeline.discrepancy.noise.learning import FINEST
+from pipeline.discrepancy.noise.noise import NoiseModel
+from pipeline.discrepancy.search.choose import Choice
+from pipeline.discrepancy.search.explain import Explanation
+
+CHANCE = 1e-5
+SMALLEST_SIZE, REPEATED = 0.2, 0.5
+SLOW_CORRELATION = 0.87
+LOUD, ROUNDED = 0.25, 1.1
+
+
+@dataclass(frozen=True)
+class Structure:
+    """Whether a residual is more than noise, where it shows, its share and how likely by chance.
+
+    wandering: how the noise and the structure together wander, where that was looked at.
+    """
+
+    found: bool
+    where: str | None
+    share: float
+    p_value: float
+    wandering: NoiseModel | None = None
+
+
+@dataclass(frozen=True)
+class Sign:
+    """A sure sign of structure: where it shows, its size (RMS) [measurement's unit], p-value."""
+
+    where: str
+    size: float
+    p_value: float
+
+
+def structure_of(explanation: Explanation, choice: Choice) -> Structure:
+    """What is still structured in the residual of a choice, on training rows.
+
+    It shows in flexible curves of what was commanded that chance does not explain (likelihood
+    ratio, Bonferroni over the families of curves), in noise that varies as slowly as physics does,
+    in what cycles have in common at each step, in noise with two humps, or in a hum. What is surely
+    there but much smaller than the noise is the form of a term, no physics.
+    """
+    if rounded(explanation, choice):
+        return Structure(False, None, 0.0, 1.0)
+    rests = structured_rest(choice, explanation.search.family)
+    sign = (
+        of_curves(rests, choice)
+        or slowness(explanation, choice)
+        or of_repeats(explanation, choice)
+        or two_zeros(choice)
+        or humming(explanation, choice)
+    )
+    by_chance = min(min((r.p_value for r in rests), default=1.0) * len(rests), 1.0)
+    if sign is None:
+        return Structure(False, None, 0.0, by_chance)
+    share = min(sign.size**2 / mismatch_variance(explanation), 1.0)
+    return Structure(True, sign.where, share, min(sign.p_value, by_chance))
+
+
+def rounded(explanation: Explanation, choice: Choice) -> bool:
+    """Whether a choice leaves no more than the rounding of numbers, or of the sensor's levels.
+
+    That follows the motion, but is no physics.
+    """
+    exact = 2.0 * FINEST * explanation.problem.around.angle_span
+    least = max(exact, ROUNDED * explanation.prior.finest)
+    return choice.fit.ground.noise.deviation <= least
+
+
+def of_curves(rests: list[Rest], choice: Choice) -> Sign | None:
+    """The surest of some rests (the surest first), where it is no matter of chance nor tiny."""
+    least = SMALLEST_SIZE * choice.fit.ground.noise.deviation
+    sure = [r for r in rests if r.size > least and r.p_value * len(rests) < CHANCE]
+    if not sure:
+        return None
+    return Sign(sure[0].where, max(r.size for r in sure), rests[0].p_value * len(rests))
+
+
+def slowness(explanation: Explanation, choice: Choice) -> Sign | None:
+    """A residual that is itself, whatever repeats say, surely as slow as physics.
+
+    It is where no noise of those that forget sooner, with a zero that walks or not, comes near the
+    likelihood of the chosen one.
+    """
+    ground, family = choice.fit.ground, explanation.search.family
+    if explanation.problem.derivatives is not None:
+        return of_force(choice)
+    if ground.noise.correlation <= SLOW_CORRELATION:
+        return None
+    residual = np.where(ground.used, ground.problem.measured - choice.fit.predicted, 0.0)
+
+    def cost(place: Place) -> float:
+        return family.weigh(place, residual)[0] - family.strained(place)
+
+    sooner = [
+        cost((k, choice.place[1], walk))
+        for k, shape in enumerate(family.shapes)
+        if shape[1] <= SLOW_CORRELATION
+        for walk in range(len(WALKS))
+    ]
+    if cost(choice.place) < min(sooner, default=np.inf) + 2.0 * np.log(CHANCE):
+        return Sign("slow changes", ground.noise.correlated, CHANCE)
+    return None
+
+
+def of_force(choice: Choice) -> Sign | None:
+    """What is left of a force too slowly for noise, or for the most part after reversals."""
+    slow = too_slow(choice, SLOW_CORRELATION)
+    if not (slow or after_reversals(choice)):
+        return None
+    where = "slow changes" if slow else "after reversals"
+    return Sign(where, float(np.sqrt(mean_square(left_by(choice)))), CHANCE)
+
+
+def of_repeats(explanation: Explanation, choice: Choice) -> Sign | None:
+    """What cycles surely have in common at each step, where it is not much less than the noise."""
+    again = repeated_rest(choice, explanation.prior)
+    if again.p_value < CHANCE and again.size > REPEATED * choice.fit.ground.noise.deviation:
+        return Sign(again.where, again.size, again.p_value)
+    return None
+
+
+def two_zeros(choice: Choice) -> Sign | None:
+    """Noise with two humps."""
+    if two_valued(choice.fit):
+        return Sign("two zeros by turns", choice.fit.ground.noise.deviation, CHANCE)
+    return None
+
+
+def humming(explanation: Explanation, choice: Choice) -> Sign | None:
+    """A frequency that holds much of an angle's innovations."""
+    if explanation.problem.derivatives is not None:
+        return None
+    share, period = hum(choice)
+    if share <= LOUD:
+        return None
+    where = f"a hum in time, again and again every {period:.3g} samples"
+    return Sign(where, float(np.sqrt(share)) * choice.fit.ground.noise.deviation, CHANCE)
+
+
+def hum(choice: Choice) -> tuple[float, float]:
+    """The share of a choice's innovations that one frequency holds, and its period [samples].
+
+    Of independent ones, one of n/2 frequencies holds about 2 log(n) / n (Fisher, Proc. R. Soc. A
+    125 (1929) 54); noise that depends on the sample before takes a hum for its own.
+    """
+    power = np.abs(np.fft.rfft(choice.fit.innovations))[1:] ** 2
+    near = np.convolve(power, np.ones(3), mode="same")
+    best = int(np.argmax(near))
+    return float(near[best] / max(power.sum(), 1e-300)), len(choice.fit.innovations) / (best + 1.0)
+
+
+def share_left(explanation: Explanation, choice: Choice) -> float:
+    """The share of the mismatch's variance that a choice leaves beyond the noise of repeats."""
+    problem = explanation.problem
+    residual = (problem.measured - choice.fit.predicted)[explanation.used]
+    beyond = float(np.mean(residual**2)) - explanation.prior.model.deviation**2
+    return min(max(beyond, 0.0) / mismatch_variance(explanation), 1.0)
+
+
+def mismatch_variance(explanation: Explanation) -> float:
+    """Variance of measurement minus simulation on training rows, about its mean."""
+    problem = explanation.problem
+    off = (problem.measured - problem.simulated)[explanation.used]
+    return max(float(np.var(off)), 1e-300)

@@ -1,0 +1,108 @@
+"""The verdict: how many names does the best choice bear, beside what it leaves?"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from pipeline.discrepancy.fitting.calibration import FAR_OFF
+from pipeline.discrepancy.fitting.fit import evaluate, improve
+from pipeline.discrepancy.judgement.rest import structured_rest
+from pipeline.discrepancy.search.choose import SLOW, Choice, wanders
+from pipeline.discrepancy.search.explain import Explanation
+from pipeline.discrepancy.search.ties import names
+
+ENOUGH = 0.7
+MOST_LEFT = 0.1
+UNFOLLOWED = 0.7
+FORM_ERROR = 0.05
+ODDS = 2.0
+
+
+def intolerable(choice: Choice) -> bool:
+    """Whether gain or offset is off by more than FAR_OFF of its declared tolerances."""
+    tolerance = choice.fit.ground.problem.tolerance
+    gain, offset = np.abs(choice.fit.nuisance[:2] - [1.0, 0.0])
+    return bool(gain > FAR_OFF * tolerance.gain or offset > FAR_OFF * tolerance.offset)
+
+
+def follows(explanation: Explanation, choice: Choice) -> bool:
+    """Whether the explanation tells the measurement's variation better than its mean would."""
+    measured = explanation.problem.measured[explanation.used]
+    noisy = explanation.prior.model.deviation > 0.5 * float(np.std(measured))
+    if noisy and not choice.fit.pieces:
+        return True
+    return mean_square(explanation, choice) < UNFOLLOWED * float(np.var(measured))
+
+
+def sure_of_slow(explanation: Explanation, best: Choice) -> Choice:
+    """The best choice, without its drift and slips where they may be noise that wanders.
+
+    Where cycles repeat, such a zero is nothing to be named: the odds against it must be 2 to 1.
+    """
+    quiet = {n for n in best.fit.names if n not in SLOW}
+    if explanation.prior.repeats == 0 or len(quiet) == len(names(best)):
+        return best
+    fewer_slow = [c for c in explanation.choices if quiet <= names(c) < names(best)]
+    rivals = [c for c in fewer_slow if wanders(c.place)]
+    rival = min(rivals, key=lambda c: c.score, default=best)
+    return rival if rival.score < best.score + 2.0 * np.log(ODDS) else best
+
+
+def fewer(explanation: Explanation, choice: Choice) -> Choice:
+    """At most one name where a structured rest shows that these terms only mop it up.
+
+    Where that rest is less than a twentieth of the mismatch (RMS), all names stay that explain more
+    than they leave together: then it is the form of a term. Else the best single term stays if it
+    alone explains most of the mismatch, and nine tenths of its structure, which the noise that was
+    learnt from repeats may hide; otherwise none does.
+    """
+    if not choice.fit.pieces:
+        return choice
+    if explanation.problem.motion.kinetics is not None:
+        return weightier(explanation, choice)
+    base = next(c for c in explanation.choices if not c.fit.pieces)
+    noise = explanation.prior.model.deviation**2
+    before = mean_square(explanation, base) - noise
+    if rest_of(choice, explanation) ** 2 < FORM_ERROR**2 * before:
+        return weightier(explanation, choice)
+    single = min(singles(explanation, choice), key=lambda c: c.score)
+    left = mean_square(explanation, single) - noise
+    enough = left < (1.0 - ENOUGH) * before
+    return single if enough and rest_of(single, explanation) ** 2 < MOST_LEFT * before else base
+
+
+def rest_of(choice: Choice, explanation: Explanation) -> float:
+    """Size (RMS) [measurement's unit] of the largest structure that a choice leaves."""
+    rests = structured_rest(choice, explanation.search.family)
+    return max((r.size for r in rests), default=0.0)
+
+
+def singles(explanation: Explanation, choice: Choice) -> list[Choice]:
+    """Choices of one name: those found, and each name of a choice fitted alone."""
+    found = [c for c in explanation.choices if len(set(c.fit.names)) == 1]
+    for name in dict.fromkeys(choice.fit.names):
+        own = [p for p in choice.fit.pieces if p.term.name == name]
+        fit = improve(evaluate(choice.fit.ground, own))
+        found.append(explanation.search.weighed(fit, choice.place))
+    return found
+
+
+def weightier(explanation: Explanation, choice: Choice) -> Choice:
+    """Only terms that explain more than all of them together leave.
+
+    What explains less may merely mop up the rest. The one that explains least goes first.
+    """
+    left, without = mean_square(explanation, choice), []
+    for piece in choice.fit.pieces:
+        rest = [p for p in choice.fit.pieces if p is not piece]
+        without.append(replace(choice, fit=improve(evaluate(choice.fit.ground, rest))))
+    least = min(without, key=lambda c: mean_square(explanation, c), default=None)
+    if least is None or mean_square(explanation, least) >= 2.0 * left:
+        return choice
+    return weightier(explanation, explanation.search.weighed(least.fit, choice.place))
+
+
+def mean_square(explanation: Explanation, choice: Choice) -> float:
+    """Mean square of a choice's residual on the rows fitted."""
+    residual = explanation.problem.measured - choice.fit.predicted
+    return float(np.mean(residual[explanation.used] ** 2))

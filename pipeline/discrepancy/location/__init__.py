@@ -1,0 +1,1 @@
+"""Where a residual lies: in which coordinate, how surely, and in words."""

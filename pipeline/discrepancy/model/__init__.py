@@ -1,0 +1,1 @@
+"""The corrected simulation, how sure it is, and what a diagnosis says."""

@@ -1,0 +1,178 @@
+"""Intervals: how far each parameter may move before the fit gets worse."""
+
+import numpy as np
+
+from pipeline.discrepancy.fitting.fit import Fit, parameters_of
+from pipeline.discrepancy.fitting.moments import moments, moments_of, moved
+from pipeline.discrepancy.model.result import Estimate
+from pipeline.discrepancy.noise.family import NoiseFamily, Place
+from pipeline.physics.mechanism import Piece
+from pipeline.physics.term import Parameter
+from pipeline.recording import branch_of
+
+DEVIATIONS = 1.96
+FALL = 3.84
+WIDEST = 1e12
+PATIENCE = 6
+NEGLIGIBLE = 0.01
+STRETCHES = 12
+LONGEST_MOVE = 0.2
+
+
+def covariance_of(fit: Fit) -> np.ndarray:
+    """Covariance of nuisances and then all term parameters, Gauss-Newton under the whitened noise.
+
+    With the priors of both; inflated where the innovations are larger than they should be.
+    """
+    excess = max(float(np.mean(fit.innovations**2)), 1.0)
+    slopes = np.hstack([fit.calibrating, fit.slopes])
+    return bounded(excess * inverted(slopes, precisions(fit)), fit)
+
+
+def bounded(covariance: np.ndarray, fit: Fit) -> np.ndarray:
+    """The covariance (m, m) with no parameter of a term more open than its bounds are apart.
+
+    A parameter that moves nothing where it stands would else be open without end.
+    """
+    apart = [np.full(len(fit.nuisance), np.inf)]
+    apart += [box.high - box.low for box in (fit.ground.box(p.term) for p in fit.pieces)]
+    deviations = np.sqrt(np.maximum(np.diag(covariance), 1e-300))
+    shrunk = np.minimum(np.concatenate(apart) / deviations, 1.0)
+    return np.asarray(covariance * np.outer(shrunk, shrunk))
+
+
+def precisions(fit: Fit) -> np.ndarray:
+    """Of the priors of nuisances and then all term parameters, (m,)."""
+    return np.concatenate(
+        [fit.ground.precision, *(fit.ground.box(piece.term).precision for piece in fit.pieces)]
+    )
+
+
+def inverted(slopes: np.ndarray, precision: np.ndarray) -> np.ndarray:
+    """Covariance (m, m) for whitened slopes (k, m) and priors (m,)."""
+    normal = slopes.T @ slopes + np.diag(precision)
+    scale = np.sqrt(np.maximum(np.diag(normal), 1.0 / WIDEST))
+    inverse = np.linalg.pinv(normal / np.outer(scale, scale), rcond=1e-10, hermitian=True)
+    return np.asarray(inverse / np.outer(scale, scale))
+
+
+def wide_covariance(fit: Fit, place: Place, family: NoiseFamily) -> np.ndarray:
+    """The same, with what is not known of the noise, and of the form of what was fitted.
+
+    It is averaged over the noises that the residual leaves likely. Where a term has not quite the
+    form of the real thing, what is left repeats with command and direction: a sandwich (White,
+    Econometrica 48, 1980) over stretches of these tells how far that moves each parameter, and
+    widens it where that is further.
+    """
+    residual = fit.ground.problem.measured - fit.predicted
+    noises = [n for n in family.likely(residual, place) if n[0] > NEGLIGIBLE]
+    total = sum(weight for weight, _ in noises)
+    precision = precisions(fit)
+    average = np.zeros((len(precision), len(precision)))
+    for weight, noise in noises:
+        slopes = fit.ground.with_noise(noise).whiten(fit.changes)
+        average += weight / total * inverted(slopes, precision)
+    own, seen = np.diag(average), np.diag(repeated_misfit(fit))
+    wider = np.sqrt(np.maximum(np.divide(seen, own, out=np.ones_like(own), where=own > 0), 1.0))
+    return bounded(average * np.outer(wider, wider), fit)
+
+
+def repeated_misfit(fit: Fit) -> np.ndarray:
+    """Covariance of all parameters by what the innovations have in common along the command."""
+    slopes, drive = np.hstack([fit.calibrating, fit.slopes]), fit.ground.problem.motion.drive
+    place = (drive - drive.min()) / max(float(np.ptp(drive)), 1e-300) * STRETCHES
+    stretch = 2 * np.minimum(place.astype(int), STRETCHES - 1) + (branch_of(drive) > 0)
+    number = np.unique(stretch[fit.ground.used], return_inverse=True)[1]
+    count = int(number.max()) + 1
+    scores = np.zeros((count, slopes.shape[1]))
+    np.add.at(scores, number, slopes * fit.innovations[:, None])
+    meat = scores.T @ scores * count / max(count - slopes.shape[1], 1)
+    precision = precisions(fit)
+    inverse = inverted(slopes, precision)
+    return np.asarray(inverse @ (meat + np.diag(precision)) @ inverse)
+
+
+def stated(fit: Fit, piece: Piece) -> np.ndarray:
+    """A term's parameters as they are told: what is seen in the measurement, in its own unit."""
+    scales = [told_per(fit, p) for p in parameters_of(fit.ground, piece.term)]
+    return np.asarray(piece.values * scales)
+
+
+def told_per(fit: Fit, parameter: Parameter) -> float:
+    """What is told of a parameter over its value: see `Parameter`."""
+    around = fit.ground.problem.around
+    if parameter.at_drive:
+        return around.angle_span / max(around.drive_span, 1e-300)
+    return float(fit.nuisance[0]) if parameter.measured else 1.0
+
+
+def estimates(fit: Fit, covariance: np.ndarray) -> list[tuple[Piece, tuple[Estimate, ...]]]:
+    """Every term's parameters as they are told, with 95 % intervals within their bounds."""
+    out = []
+    k = len(fit.nuisance)
+    for i, piece in enumerate(fit.pieces):
+        own = []
+        parameters = parameters_of(fit.ground, piece.term)
+        for j, (p, value) in enumerate(zip(parameters, piece.values, strict=True)):
+            scale = told_per(fit, p)
+            variance = scale**2 * covariance[k, k]
+            if p.measured:
+                variance += value**2 * covariance[0, 0] + 2.0 * scale * value * covariance[0, k]
+            if p.unit == "s" and piece.term.site != "sensor":
+                variance += arrival_s(fit.ground.problem.around.dwell_s, float(value)) ** 2
+            if p.moment:
+                low, high = moment_interval(fit, i, j)
+                low, high = min(low, float(value)), max(high, float(value))
+            else:
+                reach = DEVIATIONS * np.sqrt(max(variance, 0.0))
+                low, high = sorted((scale * p.low, scale * p.high))
+                low, high = max(scale * value - reach, low), min(scale * value + reach, high)
+            own.append(Estimate(p.name, scale * float(value), float(low), float(high), p.unit))
+            k += 1
+        out.append((piece, tuple(own)))
+    return out
+
+
+def arrival_s(dwell_s: float, late_s: float) -> float:
+    """How much of the time that a command took to arrive [s, RMS] a time constant may hold.
+
+    No recording tells how long that was: up to a fifth of a dwell, say. Of a mean delay d before
+    each of its dwells D a lag T takes d T / D (1 - exp(-D / T)) as its own, to first order of d:
+    all of it where it outlasts many dwells, little where each dwell sees the whole motion. An old
+    frame is no arrival: it shows a pose, whenever that was asked for.
+    """
+    if dwell_s <= 0.0 or late_s <= 0.0:
+        return 0.0
+    taken = late_s / dwell_s * -np.expm1(-dwell_s / late_s)
+    return float(0.5 * LONGEST_MOVE * dwell_s / np.sqrt(3.0) * taken)
+
+
+def moment_interval(fit: Fit, place: int, parameter: int) -> tuple[float, float]:
+    """The fitted samples between which the slip lies, as far as the cost tells them apart [s].
+
+    Noise parts those that fit as well: a few that do not are passed over.
+    """
+    time_s = fit.ground.problem.motion.time_s[fit.ground.used]
+    times = moments(fit)
+    near = int(np.argmin(np.abs(times - fit.pieces[place].values[parameter])))
+
+    def farthest(way: int) -> int:
+        found = k = near
+        while 0 <= k + way < len(times) and abs(k + way - found) <= PATIENCE:
+            k += way
+            if moved(fit, place, parameter, times[k]).cost < fit.cost + FALL:
+                found = k
+        return found
+
+    first, last = farthest(-1), farthest(1)
+    return float(time_s[first]), float(time_s[last + 1])
+
+
+def undated(fit: Fit, time_s: np.ndarray) -> np.ndarray:
+    """At which times (n,) a fitted slip may or may not have happened, a mask."""
+    out = np.zeros(len(time_s), dtype=bool)
+    for k, piece in enumerate(fit.pieces):
+        for j in moments_of(fit, piece):
+            low, high = moment_interval(fit, k, j)
+            out |= (time_s > low) & (time_s < high)
+    return out

@@ -1,0 +1,1 @@
+"""The noise of a recording: its model, how it is learnt, and its whitening."""

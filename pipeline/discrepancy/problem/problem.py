@@ -1,0 +1,330 @@
+"""The problem of one measurement: what drove it, what was measured, what may be fitted."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from pipeline.config import DiagnosisConfig, HeldoutConfig, ToleranceConfig
+from pipeline.discrepancy.problem.counts import uncounted
+from pipeline.discrepancy.problem.fitted import tolerance_of_fit
+from pipeline.discrepancy.problem.line import line_in_a_command, own_commands
+from pipeline.discrepancy.problem.rough import unroughened
+from pipeline.discrepancy.problem.rows import Averaged, Picked
+from pipeline.discrepancy.problem.stale import NONE_STALE, StaleSamples, hung_samples, stale_samples
+from pipeline.errors import LoopgapError, refusal
+from pipeline.physics.differentiation import Derivatives
+from pipeline.physics.kinematics import Curve, IdentityCurve, sampled_curve, straightened
+from pipeline.physics.mechanism import Mechanism, Piece, Trace
+from pipeline.physics.motion import Motion
+from pipeline.physics.term import Surroundings
+from pipeline.recording import Recording
+
+HELD_OUT_EVERY = 3
+STATIC_ERROR = 2e-3
+FEWEST_SAMPLES = 40
+MOST_ROWS = 3000
+MIXED = 0.05
+
+
+@dataclass(frozen=True)
+class Delay:
+    """measured(t) = force(t - value) [s] with its 95 % interval; negative where the force leads."""
+
+    value: float = 0.0
+    low: float = 0.0
+    high: float = 0.0
+
+
+class DiagnosisError(LoopgapError):
+    """A recording can't be diagnosed."""
+
+
+@dataclass(frozen=True)
+class Problem:
+    """Arrays are (n,). measured is NaN where nothing was measured.
+
+    simulated: the simulation as it came. curve: of the drive, see `static`. train, heldout: masks
+    that part the measured rows; `train` is all that fit, noise and choice may look at. averaged:
+    the samples behind rows that are block means. picked: those behind rows that are every k-th.
+    derivatives: of the position that a force is measured against. delay: by how much that force was
+    recorded later than its motion. counted: the step of the encoder that counted the drive, see
+    `counts.py`; rough: the noise of one that was measured, see `rough.py`; 0.0 of another. stale:
+    which samples say again what the one before said. still: the simulation as it came, where that
+    does not move and a line in a command stands in its place.
+    """
+
+    motion: Motion
+    curve: Curve
+    measured: np.ndarray
+    simulated: np.ndarray
+    train: np.ndarray
+    heldout: np.ndarray
+    around: Surroundings
+    tolerance: ToleranceConfig
+    drive: str
+    static: bool
+    averaged: Averaged | None = None
+    picked: Picked | None = None
+    derivatives: Derivatives | None = None
+    delay: Delay = Delay()
+    counted: float = 0.0
+    rough: float = 0.0
+    stale: StaleSamples = NONE_STALE
+    still: np.ndarray | None = None
+
+    @property
+    def cycle(self) -> np.ndarray:
+        return self.motion.cycle
+
+    @property
+    def mixed(self) -> bool:
+        """Whether the simulation's trace mixes commands: then no one shaft is behind it."""
+        return self.drive in self.motion.others
+
+    def trace(self, pieces: Sequence[Piece]) -> Trace:
+        """What a mechanism of some pieces does over all rows, without calibration."""
+        mechanism = Mechanism(self.curve, pieces)
+        if self.averaged is not None:
+            return self.averaged.trace(mechanism)
+        if self.picked is not None and any(piece.term.timed for piece in pieces):
+            return self.picked.trace(mechanism)
+        if any(piece.term.before_curve for piece in pieces):
+            return mechanism.trace(self.motion)
+        return mechanism.balanced(self.nominal, self.motion)
+
+    @cached_property
+    def nominal(self) -> np.ndarray:
+        """What the drive asks for where nothing alters it on its way, (n,)."""
+        return Mechanism(self.curve).trace(self.motion).asked
+
+    def by_row(self, pieces: Sequence[Piece]) -> bool:
+        """Whether the rows alone say what pieces do, without samples behind them."""
+        timed = any(piece.term.timed for piece in pieces)
+        return self.averaged is None and not (timed and self.picked is not None)
+
+    def rows(self, wanted: np.ndarray) -> "Problem":
+        """The same problem on some of its rows (indices)."""
+        return replace(
+            self,
+            motion=self.motion.rows(wanted),
+            measured=self.measured[wanted],
+            simulated=self.simulated[wanted],
+            train=self.train[wanted],
+            heldout=self.heldout[wanted],
+        )
+
+
+def pose_problem(
+    config: DiagnosisConfig, recording: Recording, measurement: str, simulated: np.ndarray
+) -> Problem:
+    """What is to be explained: `measurement`, given a simulation of it (n,).
+
+    Raises DiagnosisError where there is too little to judge.
+    """
+    came = recording.values(measurement)
+    stale = stale_samples(came, simulated)
+    if not stale.rows.any():
+        stale = replace(stale, hung=hung_samples(came, simulated))
+    measured = np.where(stale.rows | stale.hung, np.nan, came)
+    known = np.isfinite(measured) & np.isfinite(simulated)
+    refuse_unknown(measurement, known)
+    motion, curve, drive, static = driven_by(recording, measurement, simulated)
+    heldout = held_out_rows(config.heldout, motion, known)
+    train = known & ~heldout
+    refuse_unfit(config.heldout, measurement, train, known & heldout)
+    still = None
+    if not np.ptp(simulated[known]) > 0.0:
+        line = line_in_a_command(own_commands(recording, measurement), measured, train)
+        still, simulated = simulated, simulated if line is None else line[0]
+        motion, curve, drive, static = driven_by(recording, measurement, simulated)
+    counted = rough = 0.0
+    if static:
+        seen = np.where(train, measured, np.nan)
+        motion, curve, counted = uncounted(motion, curve, seen, simulated)
+        if counted == 0.0:
+            smooth, rough = unroughened(motion.drive, seen)
+            motion = replace(motion, drive=smooth)
+    around = surroundings_of(recording, measurement, motion, simulated, drive, static, train)
+    tolerance = tolerance_of_fit(config.tolerance, came, simulated, motion.drive, heldout)
+    if static and tolerance.shape > config.tolerance.shape:
+        curve = straightened(curve, motion.drive)
+    return Problem(
+        motion, curve, measured, simulated, train, known & heldout, around, tolerance,
+        drive, static, counted=counted, rough=rough, stale=stale, still=still,
+    )  # fmt: skip
+
+
+def refuse_unfit(
+    config: HeldoutConfig, measurement: str, train: np.ndarray, heldout: np.ndarray
+) -> None:
+    """Raise DiagnosisError where masks (n,) leave too few rows to fit on, or none as a proof."""
+    refuse_unknown(measurement, train | heldout)
+    if not heldout.any():
+        raise DiagnosisError(
+            refusal(
+                f"measurement {measurement!r}",
+                "measured rows that are held out",
+                f"none ({config.kind}, after_s={config.after_s})",
+                "Hold out other rows: see diagnosis.heldout.",
+            )
+        )
+    if train.sum() < FEWEST_SAMPLES:
+        raise DiagnosisError(
+            refusal(
+                f"measurement {measurement!r}",
+                f"at least {FEWEST_SAMPLES} measured samples to fit on",
+                f"{int(train.sum())} of {len(train)} rows (held-out cycles are not counted)",
+                "Record more cycles or more steps.",
+            )
+        )
+
+
+def refuse_unknown(measurement: str, known: np.ndarray) -> None:
+    """Raise DiagnosisError where no row (n,) is both measured and simulated."""
+    if not known.any():
+        raise DiagnosisError(
+            refusal(
+                f"measurement {measurement!r}",
+                "samples that were measured, and simulated",
+                f"none in {len(known)} rows",
+                "Measure it, or take the channel and its simulation out of recording.json.",
+            )
+        )
+
+
+def held_out_rows(config: HeldoutConfig, motion: Motion, known: np.ndarray) -> np.ndarray:
+    """Rows (n,) that are held out, of those that are known (n,).
+
+    Of every third cycle, the last third of the known rows where there are fewer than three cycles,
+    or where none or all of those rows were measured; or as the configuration says otherwise.
+    """
+    cycle = motion.cycle
+    if config.kind == "after_s":
+        rows: np.ndarray = motion.time_s - motion.time_s[0] > (config.after_s or 0.0)
+        return rows
+    numbers = np.unique(cycle)
+    rows = np.isin(cycle, numbers[HELD_OUT_EVERY - 1 :: HELD_OUT_EVERY])
+    few = len(numbers) < HELD_OUT_EVERY or not rows[known].any() or rows[known].all()
+    if few or config.kind == "last_third":
+        rows = np.zeros(len(cycle), dtype=bool)
+        have = np.flatnonzero(known)
+        if len(have):
+            rows[have[len(have) - max(len(have) // HELD_OUT_EVERY, 1)] :] = True
+    return rows
+
+
+def driven_by(
+    recording: Recording, measurement: str, simulated: np.ndarray
+) -> tuple[Motion, Curve, str, bool]:
+    """The motion, the nominal curve, the driving command's name, and whether it is static.
+
+    Where the simulation is a static curve of a command, that command drives and the curve is
+    learnt from the two. Otherwise the simulation's trace drives, and no curve follows; where that
+    trace mixes several commands, each of them is one of the others too.
+    """
+    commands = {c.name: recording.values(c.name) for c in recording.with_role("command")}
+    if not commands:
+        raise DiagnosisError(
+            refusal("recording", "a channel of role 'command'", "none", "Add what was commanded.")
+        )
+    known = np.isfinite(simulated)
+    misfit = {n: static_misfit(u[known], simulated[known]) for n, u in commands.items()}
+    drive = min(commands, key=lambda n: (misfit[n] >= STATIC_ERROR, not _kin(n, measurement),
+                                         misfit[n]))  # fmt: skip
+    static = misfit[drive] < STATIC_ERROR
+    signal: np.ndarray = commands[drive]
+    curve: Curve = IdentityCurve()
+    if static:
+        curve = sampled_curve(signal[known], simulated[known])
+    else:
+        rows = np.arange(len(simulated))
+        signal = np.interp(rows, rows[known], simulated[known])
+    mixed = not static and mixes(commands, drive, simulated)
+    others = {n: u for n, u in commands.items() if n != drive or mixed}
+    unit = recording.channel(measurement).unit
+    motion = Motion(
+        drive=np.ascontiguousarray(signal, dtype=float),
+        time_s=recording.values("time_s"),
+        cycle=recording.values("cycle").astype(np.int64),
+        others=others,
+        radian=180.0 / np.pi if unit == "deg" else 1.0,
+    )
+    return motion, curve, drive, static
+
+
+def mixes(commands: Mapping[str, np.ndarray], drive: str, simulated: np.ndarray) -> bool:
+    """Whether a simulation moves with other commands about as well as with the driving one.
+
+    It does where a line in all commands leaves less than half of what a line in the driving one
+    leaves, and that is more than MIXED of the simulation's variance.
+    """
+    known = np.isfinite(simulated)
+    moving = {n: u[known] for n, u in commands.items() if np.ptp(u[known]) > 0.0}
+    if len(moving) < 2:
+        return False
+    target = simulated[known] - simulated[known].mean()
+    left = []
+    for names in ([drive], list(moving)):
+        columns = np.column_stack([moving[n] - moving[n].mean() for n in names if n in moving])
+        weights = np.linalg.lstsq(columns, target, rcond=None)[0] if columns.size else []
+        rest = target - columns @ weights if columns.size else target
+        left.append(float(rest @ rest) / max(float(target @ target), 1e-300))
+    return left[0] > MIXED and left[1] < 0.5 * left[0]
+
+
+def _kin(command: str, measurement: str) -> bool:
+    return command.split("_")[0] == measurement.split("_")[0]
+
+
+def static_misfit(command: np.ndarray, simulated: np.ndarray) -> float:
+    """How far a simulation is from a static curve of a command, over the simulation's range."""
+    span = float(np.ptp(simulated)) if len(simulated) else 0.0
+    if len(simulated) < 3 or float(np.ptp(command)) == 0.0:
+        return np.inf
+    if span == 0.0:
+        return np.inf
+    order = np.argsort(command, kind="stable")
+    u, s = command[order], simulated[order]
+    at, place = np.unique(u, return_inverse=True)
+    mean = np.bincount(place, weights=s) / np.bincount(place)
+    repeat = float(np.sqrt(np.mean((s - mean[place]) ** 2)))
+    if len(at) < 5:
+        return repeat / span
+    middle = np.interp(at[1:-1], at[[0, -1]], mean[[0, -1]])
+    left, right = at[1:-1] - at[:-2], at[2:] - at[1:-1]
+    middle = (mean[:-2] * right + mean[2:] * left) / (left + right)
+    return max(repeat, float(np.sqrt(np.mean((mean[1:-1] - middle) ** 2)))) / span
+
+
+def surroundings_of(
+    recording: Recording,
+    measurement: str,
+    motion: Motion,
+    simulated: np.ndarray,
+    drive: str,
+    static: bool,
+    train: np.ndarray,
+) -> Surroundings:
+    """The sizes that bound the terms' parameters; as measured where the simulation stands still."""
+    steps = np.abs(np.diff(motion.drive))
+    unit = recording.channel(measurement).unit
+    known = simulated[np.isfinite(simulated)]
+    span = float(np.ptp(known)) or float(np.ptp(recording.values(measurement)[train]))
+    return Surroundings(
+        drive_span=float(np.ptp(motion.drive)),
+        drive_low=float(np.min(motion.drive)),
+        angle_span=max(span, 1e-9),
+        angle_low=float(np.min(known)),
+        step=float(np.median(steps[steps > 0])) if np.any(steps > 0) else 0.0,
+        dwell_s=float(np.median(np.diff(motion.time_s))),
+        start_s=float(motion.time_s[0]),
+        end_s=float(motion.time_s[-1]),
+        cycles=len(np.unique(motion.cycle)),
+        travel=float(steps.sum()),
+        drive_unit=recording.channel(drive).unit if static else unit,
+        angle_unit=unit,
+        other_span={n: float(np.ptp(u)) for n, u in motion.others.items()},
+        other_unit={n: recording.channel(n).unit for n in motion.others},
+    )

@@ -1,0 +1,35 @@
+"""One bend in a richer form in place of several names."""
+
+from dataclasses import replace
+
+from pipeline.discrepancy.fitting.screen import effects_of
+from pipeline.discrepancy.search.choose import Choice, Search, best_of_each, extended
+from pipeline.discrepancy.search.polish import polished
+from pipeline.physics.catalogue import BEND, richer
+from pipeline.physics.term import Term
+
+
+def alone(search: Search, choices: list[Choice]) -> list[Choice]:
+    """The choices (best first); where the best has several names, those of one bend, too.
+
+    What a richer form of a bend explains that its plain one can't is taken up by others (ripple,
+    contact, stops) as a search grows: no step leads from them to the one.
+    """
+    best = choices[0]
+    base = next(c for c in choices if not c.fit.pieces)
+    if len(best.fit.pieces) < 2:
+        return choices
+    problem = base.fit.ground.problem
+    bends = [t for t in unsearched(search) if t.group == BEND]
+    own = replace(search, terms=tuple(bends), effects=effects_of(problem, bends))
+    found = extended(own, base)
+    if min((c.score for c in found), default=best.score) < best.score:
+        return polished(search, [*choices, *found])
+    return best_of_each([*choices, *found])
+
+
+def unsearched(search: Search) -> list[Term]:
+    """The richer forms of a search's terms that it does not begin with."""
+    known = {(t.name, t.form) for t in search.terms}
+    forms = {(r.name, r.form): r for t in search.terms for r in richer(t)}
+    return [form for key, form in forms.items() if key not in known]

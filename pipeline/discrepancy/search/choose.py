@@ -1,0 +1,367 @@
+"""Choosing terms: a beam over sets, every parameter refitted."""
+
+from collections.abc import Callable, Container, Hashable, Sequence
+from dataclasses import dataclass, field, replace
+from typing import TypeVar
+
+import numpy as np
+
+from pipeline.discrepancy.fitting.charge import SIDED, TERM_COST, VOID, complexity
+from pipeline.discrepancy.fitting.fit import (
+    Fit,
+    Ground,
+    calibrated,
+    evaluate,
+    improve,
+)
+from pipeline.discrepancy.fitting.moments import settle_moments
+from pipeline.discrepancy.fitting.reform import reformed
+from pipeline.discrepancy.fitting.screen import Effects, Lead, screen, started
+from pipeline.discrepancy.noise.family import WHITE, NoiseFamily
+from pipeline.physics.catalogue import richer
+from pipeline.physics.coupling import Coupling
+from pipeline.physics.term import Term
+
+BEAM = 3
+BRANCHES = 7
+MOST_TERMS = 4
+LEAST_GAIN = 6.0
+SAME = 1.0
+EARLIER = 6
+LAGGARD, CLEAR, HOPELESS = 0.3, 60.0, 0.1
+FAINT, BEHIND = 15.0, 0.5
+
+
+T = TypeVar("T")
+Key = frozenset[tuple[str, str]]
+Place = tuple[int, int, int]
+SLOW = ("lost_steps", "drift")
+HOLDING = ("slack", "contact", "end_stop")
+
+
+@dataclass(frozen=True)
+class Choice:
+    """A fit with its own noise and its score: -2 log evidence (BIC) with a charge for each term."""
+
+    fit: Fit
+    place: Place
+    score: float
+
+
+@dataclass(frozen=True)
+class Search:
+    """What a search needs: the terms that the recording can show and the noises to choose from.
+
+    vain: scores of choices for which a set of forms was tried in vain. seen: the best choice of
+    each set of names that was weighed, taken or not. wide: whether what gains much less than the
+    best at first is followed, too.
+    """
+
+    terms: tuple[Term, ...]
+    effects: Effects
+    family: NoiseFamily
+    vain: dict[Key, float] = field(default_factory=dict)
+    seen: dict[frozenset[str], Choice] = field(default_factory=dict)
+    wide: bool = False
+
+    @property
+    def clear(self) -> float:
+        """The gain from which on what gains much less is not followed."""
+        return np.inf if self.wide else CLEAR
+
+    def tried_in_vain(self, key: Key, choice: Choice) -> bool:
+        """Whether the terms and forms of `key` were tried in vain in place of such a choice."""
+        return abs(self.vain.get(key, np.inf) - choice.score) < SAME
+
+    def weighed(self, fit: Fit, place: Place, iterations: int = 4) -> Choice:
+        """A fit under the noise that suits its own residual, refitted there, and its score.
+
+        Begun from the noise given and, where that wanders, also from noise that does not: else a
+        walk takes over what a drift should explain.
+        """
+        choice = self._weighed_from(fit, place, iterations)
+        if wanders(choice.place):
+            settled, still = self.stilled(fit, choice.place, iterations)
+            other = self._weighed_from(settled, still, iterations)
+            choice = min(choice, other, key=lambda c: c.score)
+        known = self.seen.setdefault(frozenset(choice.fit.names), choice)
+        self.seen[frozenset(choice.fit.names)] = min(known, choice, key=lambda c: c.score)
+        return choice
+
+    def whitened(self, choice: Choice) -> Choice:
+        """The choice, or what becomes of it from noise without memory, if better.
+
+        Noise that is correlated takes over what slow errors of sizes and moments leave, and its
+        terms, fitted beside it, leave them there.
+        """
+        if choice.place[0] == WHITE or len(self.family.shapes) == 1 or not choice.fit.pieces:
+            return choice
+        other = self.weighed(*self.stilled(choice.fit, (WHITE, 0, 0), 4))
+        return min(choice, other, key=lambda c: c.score)
+
+    def stilled(self, fit: Fit, place: Place, iterations: int) -> tuple[Fit, Place]:
+        """The fit under noise of the shape of a place that neither jitters nor walks."""
+        still = (place[0], 0, 0)
+        residual = np.where(fit.ground.used, fit.ground.problem.measured - fit.predicted, 0.0)
+        noise = self.family.noise_at(still, self.family.weigh(still, residual)[1])
+        ground = fit.ground.with_noise(noise)
+        return improve(calibrated(ground, fit.pieces, fit.trace), iterations), still
+
+    def hoped(self, fit: Fit, place: Place) -> float:
+        """About the score that a fit will have, before it has its own noise."""
+        return min(self.scored(fit, p) for p in {place, (place[0], 0, 0)})
+
+    def scored(self, fit: Fit, place: Place) -> float:
+        """The score of a fit's residual under the noise of a place."""
+        ground = fit.ground
+        residual = np.where(ground.used, ground.problem.measured - fit.predicted, 0.0)
+        own = fit.cost - 2.0 * ground.log_scale - float(fit.innovations @ fit.innovations)
+        return self.family.weigh(place, residual)[0] + own + complexity(fit)
+
+    def _weighed_from(self, fit: Fit, place: Place, iterations: int) -> Choice:
+        residual = fit.ground.problem.measured - fit.predicted
+        noise, place = self.family.pick(residual, place)
+        ground = fit.ground.with_noise(noise)
+        fit = improve(calibrated(ground, fit.pieces, fit.trace), iterations)
+        hidden = VOID if self.hides_drift(fit, place) else 0.0
+        return Choice(fit, place, self.scored(fit, place) + hidden)
+
+    def hides_drift(self, fit: Fit, place: Place) -> bool:
+        """Whether noise that walks takes what the catalogue calls a drift, where nothing repeats.
+
+        A zero that wanders by more than the noise is one.
+        """
+        if place[2] == 0 or self.family.prior.repeats > 0 or set(fit.names) & set(SLOW):
+            return False
+        residual = (fit.ground.problem.measured - fit.predicted)[fit.ground.used]
+        return bool(np.var(residual) > 2.0 * fit.ground.noise.deviation**2)
+
+
+def choose(search: Search, ground: Ground) -> list[Choice]:
+    """Choices by a beam, not yet polished; each set of terms once.
+
+    Where nothing repeats, noise that walks is as likely all that was left out, and beside it
+    nothing promises much: the terms are then looked for beside noise that does not. What begins
+    each set in too narrow a form would draw more terms: it is grown before these are looked for.
+    """
+    base = search.weighed(evaluate(ground, ()), (0, 0, 0))
+    if wanders(base.place) and search.family.prior.repeats == 0:
+        steady = replace(search, family=replace(search.family, steady=True), vain={})
+        begun = [c for c in choose(steady, ground) if c.fit.pieces]
+        free = [search.weighed(c.fit, c.place) for c in begun[:EARLIER]]
+        return sorted([base, *free, *begun[EARLIER:]], key=lambda c: c.score)
+    found = {base.fit.key: base}
+    beam = [base]
+    for depth in range(MOST_TERMS):
+        before = min(c.score for c in found.values())
+        level: dict[Key, Choice] = {}
+        for parent in beam:
+            for child in extended(search, parent):
+                if child.fit.key not in level or child.score < level[child.fit.key].score:
+                    level[child.fit.key] = child
+        if not level:
+            break
+        beam = promising(list(level.values()), base.score, search.clear)
+        suited = len(beam) if depth == 0 else int(beam[0].score < before)
+        beam[:suited] = [grown(search, c) for c in beam[:suited]]
+        level |= {c.fit.key: c for c in beam}
+        found |= {k: c for k, c in level.items() if k not in found or c.score < found[k].score}
+        if beam[0].score > before + LEAST_GAIN:
+            break
+    best = min(found.values(), key=lambda c: c.score)
+    richest = grown(search, best)
+    found[richest.fit.key] = richest
+    return sorted(found.values(), key=lambda c: c.score)
+
+
+def choose_again(search: Search, ground: Ground, earlier: Sequence[Choice]) -> list[Choice]:
+    """Choices on other rows, begun from earlier ones (the best and the empty one)."""
+    begun = [*earlier[:EARLIER], *(c for c in earlier[EARLIER:] if not c.fit.pieces)]
+    again = [
+        search.weighed(calibrated(ground, c.fit.pieces, c.fit.trace), c.place, 8) for c in begun
+    ]
+    found = {c.fit.key: c for c in again}
+    best = min(again, key=lambda c: c.score)
+    for child in extended(search, best, skip=found):
+        found[child.fit.key] = child
+    return list(found.values())
+
+
+def best_of_each(choices: Sequence[Choice]) -> list[Choice]:
+    """The best choice of each set of terms and forms, the best first."""
+    best: dict[Key, Choice] = {}
+    for choice in sorted(choices, key=lambda c: c.score):
+        best.setdefault(choice.fit.key, choice)
+    return list(best.values())
+
+
+def promising(choices: Sequence[Choice], base: float, clear: float) -> list[Choice]:
+    """The best few, but for those that gained much less than the best on an empty explanation."""
+    best, *rest = leading(sorted(choices, key=lambda c: c.score), BEAM, lambda c: kin_of(c.fit))
+    gain = base - best.score
+    near = [c for c in rest if base - c.score > LAGGARD * gain or gain < clear]
+    return [best, *near]
+
+
+def extended(
+    search: Search,
+    parent: Choice,
+    branches: int = BRANCHES,
+    skip: Container[Key] = (),
+    begun: Sequence[Fit] = (),
+) -> list[Choice]:
+    """The parent with each of the most promising further terms; sets in `skip` are left out.
+
+    begun: fits of the parent's terms to begin from as well, under the parent's noise. Where that
+    wanders, slow terms are also looked for beside noise that does not. Where nothing repeats, the
+    noise of the empty explanation is all that was left out: beside it a step may promise little.
+    """
+    terms = [
+        t
+        for t in allowed(search.terms, parent.fit)
+        if parent.fit.key | {(t.name, t.form)} not in skip
+    ]
+    starts = [(start, terms) for start in (parent.fit, *begun)]
+    unloaded = outside(parent.fit)
+    if unloaded is not None:
+        starts.append((unloaded, [t for t in terms if t.name in HOLDING]))
+    found: dict[Key, Fit] = {}
+    unknown = not parent.fit.pieces and search.family.prior.repeats == 0
+    for start, own in starts:
+        groups = by_term(screen(start, search.effects, own))
+        groups = leading(groups, branches, lambda few: (few[0].term.name, few[0].term.kin))
+        for few in hopeful(groups, 0.0 if unknown else TERM_COST, search.clear):
+            trial = improve(started(start, few), 3, start)
+            if trial.cost > start.cost - TERM_COST:
+                trial = improve(trial, 6)
+            if trial.key not in found or trial.cost < found[trial.key].cost:
+                found[trial.key] = trial
+    slow = [t for t in terms if t.name in SLOW]
+    late: list[Fit] = []
+    if wanders(parent.place) and slow:
+        still = search.stilled(parent.fit, parent.place, 4)[0]
+        late = [
+            improve(started(still, few), 3, still)
+            for few in by_term(screen(still, search.effects, slow))
+        ]
+    trials = worthwhile(search, parent, list(found.values()), late, max(branches - 3, 3))
+    fits = [settle_moments(improve(trial, 8)) for trial in trials]
+    return [search.weighed(fit, parent.place) for fit in fits]
+
+
+def worthwhile(
+    search: Search, parent: Choice, trials: Sequence[Fit], slow: Sequence[Fit], most: int
+) -> list[Fit]:
+    """The best few trials, and the best of each slow name, that may still become the best.
+
+    After its steps (more where the first left it behind) a trial is out that is further behind its
+    parent than the least charge for a term, or has gained less than half as much as the best one
+    that gained clearly. The slow ones were begun under another noise: they may be as far behind as
+    they are.
+    """
+    hopes = {id(t): parent.score - search.hoped(t, parent.place) for t in (*trials, *slow)}
+
+    def hope(trial: Fit) -> float:
+        return hopes[id(trial)]
+
+    hoped = [t for t in sorted(trials, key=hope, reverse=True) if hope(t) > -FAINT]
+    few = leading(hoped, most, kin_of)
+    own: dict[str, Fit] = {}
+    for trial in sorted(slow, key=hope, reverse=True):
+        own.setdefault(trial.names[-1], trial)
+    best: dict[Key, Fit] = {}
+    for trial in sorted((*few, *own.values()), key=hope, reverse=True):
+        best.setdefault(trial.key, trial)
+    most_hoped = max(hopes.values(), default=0.0)
+    return [t for t in best.values() if most_hoped < search.clear or hope(t) > BEHIND * most_hoped]
+
+
+def outside(fit: Fit) -> Fit | None:
+    """The fit with terms after the balance that are in it; None where none can be.
+
+    What holds the joint besides answers to them no more.
+    """
+    others = [p.term.outside() for p in fit.pieces]
+    if not any(others):
+        return None
+    pieces = [
+        p if other is None else replace(p, term=other)
+        for p, other in zip(fit.pieces, others, strict=True)
+    ]
+    moved = evaluate(fit.ground, pieces)
+    return improve(moved, 3) if any(p.term.in_balance for p in pieces) else moved
+
+
+def leading(items: Sequence[T], most: int, idea: Callable[[T], Hashable]) -> list[T]:
+    """The first items up to `most` different ideas, and all that are the same idea as one."""
+    ideas = set(list(dict.fromkeys(idea(item) for item in items))[:most])
+    return [item for item in items if idea(item) in ideas]
+
+
+def kin_of(fit: Fit) -> Key:
+    """The names of a fit's terms, forms that differ only beside what loads the joint as one."""
+    return frozenset((p.term.name, p.term.kin) for p in fit.pieces)
+
+
+def wanders(place: Place) -> bool:
+    """Whether a noise jitters or walks, and so may take over what a slow term should explain."""
+    return place[1] > 0 or place[2] > 0
+
+
+def hopeful(groups: Sequence[list[Lead]], least: float, clear: float) -> list[list[Lead]]:
+    """Those (best first) that promise more than `least`, and not much less than the best."""
+    most = groups[0][0].gain if groups else 0.0
+    least = max(least, HOPELESS * most if most > clear else 0.0)
+    return [few for few in groups if few[0].gain > least]
+
+
+def by_term(leads: Sequence[Lead]) -> list[list[Lead]]:
+    """Leads of the same term and form together, the most promising term first."""
+    groups: dict[tuple[str, str], list[Lead]] = {}
+    for lead in leads:
+        groups.setdefault((lead.term.name, lead.term.form), []).append(lead)
+    return list(groups.values())
+
+
+def allowed(terms: Sequence[Term], fit: Fit) -> list[Term]:
+    """Terms that may stand beside those of a fit: no name twice but for sides, no two plays.
+
+    A coupling may stand once for each command. Where nothing holds the joint, what acts after the
+    balance is about as in it.
+    """
+    held = any(p.term.name in HOLDING for p in fit.pieces)
+    names = {p.term.name for p in fit.pieces}
+    groups = {p.term.group for p in fit.pieces if p.term.group}
+    keys = {(p.term.name, p.term.form) for p in fit.pieces}
+    coupled = {p.term.channel for p in fit.pieces if isinstance(p.term, Coupling)}
+    return [
+        t
+        for t in terms
+        if (t.name, t.form) not in keys
+        and (held or t.before_curve or t.kin == t.form)
+        and (t.name not in names or t.name in (*SIDED, Coupling.name))
+        and not (t.group and t.group in groups)
+        and not (isinstance(t, Coupling) and t.channel in coupled)
+    ]
+
+
+def grown(search: Search, choice: Choice, but: Container[str] = ()) -> Choice:
+    """The choice with each term in the richer form that its score prefers, if any.
+
+    but: names whose forms stay. A form that fits no better can't be worth its parameters.
+    """
+    problem = choice.fit.ground.problem
+    for i, piece in enumerate(choice.fit.pieces):
+        for term in () if piece.term.name in but else richer(piece.term):
+            key = choice.fit.key - {(piece.term.name, piece.term.form)} | {(term.name, term.form)}
+            if search.tried_in_vain(key, choice):
+                continue
+            if not term.excited(problem.motion, problem.around):
+                continue
+            fit = reformed(choice.fit, i, term)
+            trial = search.weighed(fit, choice.place) if fit.cost < choice.fit.cost else choice
+            if trial.score < choice.score:
+                choice = trial
+            else:
+                search.vain[key] = choice.score
+    return choice

@@ -1,0 +1,84 @@
+"""Contested names: what comes near the best explanation gets a search of its own."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from pipeline.discrepancy.fitting.fit import evaluate, improve
+from pipeline.discrepancy.search.choose import (
+    LEAST_GAIN,
+    SLOW,
+    Choice,
+    Search,
+    best_of_each,
+    choose,
+    grown,
+)
+from pipeline.discrepancy.search.polish import polished
+from pipeline.discrepancy.search.ties import BENDS, RIVAL_GAP, by_names, names, plain
+
+MOST = 2
+FAR = 3.0 * RIVAL_GAP
+
+
+def contested(search: Search, choices: Sequence[Choice]) -> list[Choice]:
+    """The choices (best first), with those of searches confined to the names of near rivals.
+
+    Terms that a search added on its way lead the others to sizes from which no small step leads
+    back. So before a name of several is believed, the best few sets without it are looked for from
+    the beginning, among their own names only, until one wins clearly. What bends one static curve
+    is one name here.
+    """
+    best, found = choices[0], list(choices)
+    ground = next(c for c in choices if not c.fit.pieces).fit.ground
+    for wanted in rival_names(choices)[:MOST]:
+        own = tuple(t for t in search.terms if t.name in wanted)
+        confined = replace(search, terms=own, vain={}, wide=False)
+        own_choices = choose(confined, ground)
+        if own_choices[0].score < best.score + RIVAL_GAP:
+            own_choices = polished(confined, own_choices)
+        found += own_choices
+        if own_choices[0].score < best.score - LEAST_GAIN:
+            break
+    return best_of_each(found)
+
+
+def levelled(search: Search, choices: Sequence[Choice]) -> list[Choice]:
+    """The choices (best first), with near rivals of one other name in forms as rich as suit them.
+
+    A search grows the forms of what is best on its way: a rival that was left with plainer ones
+    looks worse than its name is. It takes over the forms of the names that both have; its own name
+    is grown. What is slow is left as it is: enough slips follow any drift.
+    """
+    best, found = choices[0], list(choices)
+    near = [c for c in by_names(list(choices)) if c.score < best.score + FAR]
+    near = [c for c in near if len(names(c) ^ names(best)) == 2]
+    for rival in [c for c in near if not (names(c) - names(best)) & set(SLOW)][:MOST]:
+        shared = [p for p in best.fit.pieces if p.term.name in names(rival)]
+        own = [p for p in rival.fit.pieces if p.term.name not in names(best)]
+        taken = evaluate(best.fit.ground, (*shared, *own))
+        if taken.key != rival.fit.key:
+            taken_over = search.weighed(improve(taken), best.place)
+            rival = min(rival, taken_over, key=lambda c: c.score)
+        found.append(grown(search, rival, but=names(best)))
+    return best_of_each(found)
+
+
+def rival_names(choices: Sequence[Choice]) -> list[frozenset[str]]:
+    """Sets of names near the best one that lack one of its names, the best first; none for one.
+
+    Not those that have it in disguise.
+    """
+    best = choices[0]
+    if len(names(best)) < 2:
+        return []
+    out: dict[frozenset[str], frozenset[str]] = {}
+    for choice in choices:
+        near = choice.fit.pieces and choice.score < best.score + RIVAL_GAP
+        if near and not bent(names(best)) <= bent(names(choice)) | plain(choice):
+            out.setdefault(bent(names(choice)), names(choice))
+    return list(out.values())
+
+
+def bent(found: frozenset[str]) -> frozenset[str]:
+    """Names, those of what bends one static curve under one."""
+    return found if found.isdisjoint(BENDS) else (found - BENDS) | {"bend"}

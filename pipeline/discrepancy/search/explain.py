@@ -1,0 +1,316 @@
+"""Explaining one measurement: noise, outliers, and the sets of terms that explain the rest."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from pipeline.discrepancy.fitting.fit import ITERATIONS, Fit, evaluate, ground_of, improve
+from pipeline.discrepancy.fitting.reform import reformed
+from pipeline.discrepancy.fitting.screen import effects_of
+from pipeline.discrepancy.noise.family import JUDGED, noise_family
+from pipeline.discrepancy.noise.learning import NoisePrior, learn_noise
+from pipeline.discrepancy.problem.outliers import alike, at_commands, isolated, returning
+from pipeline.discrepancy.problem.problem import Problem
+from pipeline.discrepancy.problem.thinning import sparser
+from pipeline.discrepancy.search.accuracy import within_accuracy
+from pipeline.discrepancy.search.alone import alone
+from pipeline.discrepancy.search.choose import (
+    LEAST_GAIN,
+    SAME,
+    SLOW,
+    Choice,
+    Search,
+    best_of_each,
+    choose,
+    choose_again,
+    extended,
+)
+from pipeline.discrepancy.search.contested import contested, levelled
+from pipeline.discrepancy.search.foretold import foretelling
+from pipeline.discrepancy.search.polish import polished
+from pipeline.discrepancy.search.sprung import sprung
+from pipeline.discrepancy.search.ties import RIVAL_GAP, by_names, names, plain, plainly
+from pipeline.physics.catalogue import LATE, force_terms, terms
+from pipeline.physics.term import Term
+from pipeline.recording import reversals_of
+
+MOST_UNSETTLED, MOST_UNREPEATED = 0.3, 0.1
+SAME_RANGE = 0.6
+SAME_LEVEL = 0.05
+SAME_COMMAND = 0.5
+TURN_ROWS = 2
+OF_ONE_SHAFT = ("transmission_ripple",)
+SURELY = 3.0
+TURNS, STANDING, SETTLED = 4, 1.0, 3
+JUDGED_GAP = 25.0
+INCREDIBLE, MOST_INCREDIBLE = 4.3, 0.03
+
+
+@dataclass(frozen=True)
+class Explanation:
+    """choices: the best first. outliers: (n,) mask over the problem's rows. used: rows fitted."""
+
+    problem: Problem
+    prior: NoisePrior
+    search: Search
+    choices: list[Choice]
+    outliers: np.ndarray
+    used: np.ndarray
+
+
+def explain(problem: Problem) -> Explanation:
+    """The sets of terms that explain a problem's training rows.
+
+    They are looked for with few of the samples behind its rows, then fitted with all of them.
+    """
+    sparse = sparser(problem)
+    found = searched(sparse)
+    return found if sparse is problem else fitted_with_all(problem, found)
+
+
+def fitted_with_all(problem: Problem, found: Explanation) -> Explanation:
+    """What was found with fewer samples behind the same rows, with all of them.
+
+    Choices that come near the best are fitted and weighed anew; the others stay as far behind.
+    """
+    ground = ground_of(problem, found.prior.model, found.used)
+    best = found.choices[0].score
+    near = [c.score < best + RIVAL_GAP or not c.fit.pieces for c in found.choices]
+    fits = [evaluate(ground.with_noise(c.fit.ground.noise), c.fit.pieces) for c in found.choices]
+    again = {
+        k: found.search.weighed(improve(fit), found.choices[k].place)
+        for k, fit in enumerate(fits)
+        if near[k]
+    }
+    moved = again[0].score - best
+    choices = [
+        again.get(k, replace(choice, fit=fits[k], score=choice.score + moved))
+        for k, choice in enumerate(found.choices)
+    ]
+    choices.sort(key=lambda c: c.score)
+    return replace(found, problem=problem, choices=choices)
+
+
+def searched(problem: Problem) -> Explanation:
+    """The sets of terms that explain a problem's training rows, looked for from nothing.
+
+    Outliers are judged on the residual of the best explanation, so that a sharp corner is none;
+    where that changes them, the choice is made anew. Where calibration alone leaves no more than
+    the accuracy that was declared, no terms are looked for.
+    """
+    prior = learn_noise(problem)
+    candidates = excited_terms(problem)
+    effects = effects_of(problem, candidates)
+    settled = settled_rows(problem, prior)
+    off = np.where(problem.train, problem.measured - problem.simulated, np.nan)
+    outliers = isolated(off, problem.train, prior.finest) & ~usual(problem, off, prior)
+    used = problem.train & settled & ~outliers
+    search = Search(candidates, effects, noise_family(prior, problem, used))
+    ground = ground_of(problem, prior.model, used)
+    base = search.weighed(evaluate(ground, ()), (0, 0, 0))
+    if within_accuracy(base, used):
+        outliers = mistaken_rows(problem, base, prior)
+        return Explanation(problem, prior, search, [base], outliers, used)
+    choices = choose(search, ground)
+    found = mistaken_rows(problem, choices[0], prior)
+    if not np.array_equal(found, outliers):
+        used = problem.train & settled & ~found
+        search = Search(candidates, effects, noise_family(prior, problem, used))
+        choices = choose_again(search, ground_of(problem, prior.model, used), choices)
+    told = sprung(search, alone(search, polished(search, choices)))
+    choices = levelled(search, searched_wide(search, choices, told))
+    choices = best_of_each([*contested(search, choices), *search.seen.values()])
+    if prior.repeats == 0 and problem.derivatives is None:
+        search, choices = judged(search, choices)
+        near = [c for c in by_names(choices) if c.score < choices[0].score + RIVAL_GAP][:SETTLED]
+        still = [resettled(search, c) if any(c is n for n in near) else c for c in choices]
+        choices = foretelling(with_slow_terms(search, still))
+    choices = with_plain(search, choices)
+    outliers = mistaken_rows(problem, choices[0], prior)
+    return Explanation(problem, prior, search, choices, outliers, used)
+
+
+def searched_wide(search: Search, begun: list[Choice], found: list[Choice]) -> list[Choice]:
+    """The choices; where what the best leaves can't be noise, those of a search without shortcuts.
+
+    What gains most at first is then not on the way to what explains most. begun: the choices that
+    those found were polished from; from a best that is no other, a polish would come to the same.
+    """
+    if not refuted(search, found[0]):
+        return found
+    wide = replace(search, wide=True, vain={})
+    again = choose(wide, found[0].fit.ground)
+    if abs(again[0].score - min(c.score for c in begun)) > SAME:
+        again = polished(wide, again)
+    return best_of_each([*found, *again])
+
+
+def refuted(search: Search, choice: Choice) -> bool:
+    """Whether a choice leaves noise of a shape or size that repeats speak against."""
+    family = search.family
+    prior, deviation = family.prior, choice.fit.ground.noise.deviation
+    larger = np.log(deviation / prior.model.deviation) > SURELY * prior.sure
+    return prior.repeats > 0 and bool(family.strained(choice.place) > SURELY**2 or larger)
+
+
+def judged(search: Search, choices: list[Choice]) -> tuple[Search, list[Choice]]:
+    """The search with a jitter charged as it is usual, and the choices near the best weighed so.
+
+    While terms are looked for, a zero that jitters would take the place of slips and drifts yet to
+    be found. Then it is as good an explanation of zeros that differ a little as these are.
+    """
+    family = replace(search.family, unrepeated_jitter=JUDGED)
+    last = replace(search, family=family, vain={}, seen={})
+    near = [c for c in by_names(choices) if c.score < choices[0].score + JUDGED_GAP]
+    again = [last.weighed(c.fit, c.place) if any(c is n for n in near) else c for c in choices]
+    return last, sorted(again, key=lambda c: c.score)
+
+
+def resettled(search: Search, choice: Choice) -> Choice:
+    """A choice fitted and weighed by turns until its score stands still."""
+    for _ in range(TURNS):
+        again = search.weighed(improve(choice.fit), choice.place, 2 * ITERATIONS)
+        if again.score > choice.score - STANDING:
+            break
+        choice = again
+    return choice
+
+
+def with_slow_terms(search: Search, choices: Sequence[Choice]) -> list[Choice]:
+    """The choices, and the best without a slow change also with one.
+
+    Without repeats, noise that varies slowly hides slow changes.
+    """
+    slow = replace(search, terms=tuple(t for t in search.terms if t.name in SLOW))
+    found = {c.fit.key: c for c in choices}
+    still = [c for c in choices if not set(c.fit.names) & set(SLOW)]
+    for parent in sorted(still, key=lambda c: c.score)[:1]:
+        for child in extended(slow, parent, skip=found):
+            found[child.fit.key] = child
+    return list(found.values())
+
+
+def with_plain(search: Search, choices: list[Choice]) -> list[Choice]:
+    """The choices, the best also as what it is in disguise, where no search came by that.
+
+    Nor does one that came by the same names with much worse sizes.
+    """
+    best = choices[0]
+    wanted = plain(best)
+    if any(names(c) == wanted and c.score < best.score + LEAST_GAIN for c in choices):
+        return choices
+    choice = search.weighed(plain_fit(search, best.fit), best.place)
+    near = names(choice) == wanted and choice.score < best.score + RIVAL_GAP
+    return [*choices, choice] if near else choices
+
+
+def plain_fit(search: Search, fit: Fit) -> Fit:
+    """A fit with each piece that is another one in disguise as that other, begun from its sizes."""
+    shown, spare = plainly(fit), []
+    for k, name in enumerate(shown):
+        if name == fit.pieces[k].term.name:
+            continue
+        forms = [t for t in search.terms if t.name == name]
+        if forms and shown.count(name) == 1:
+            fit = min((reformed(fit, k, form) for form in forms), key=lambda f: f.cost)
+        else:
+            spare.append(k)
+    kept = [p for k, p in enumerate(fit.pieces) if k not in spare]
+    return improve(evaluate(fit.ground, kept)) if spare else fit
+
+
+def mistaken_rows(problem: Problem, choice: Choice, prior: NoisePrior) -> np.ndarray:
+    """Outliers of a choice's residual: isolated rows, and few that its noise finds incredible.
+
+    Rows that the choice was not fitted to are judged by their distance alone.
+    """
+    fit = choice.fit
+    off = np.where(problem.train, problem.measured - fit.predicted, np.nan)
+    out = isolated(off, problem.train, prior.finest)
+    incredible = np.flatnonzero(fit.ground.used)[np.abs(fit.innovations) > INCREDIBLE]
+    if len(incredible) < MOST_INCREDIBLE * fit.ground.count:
+        alone = np.diff(incredible, prepend=-9) > 1
+        out[incredible[alone]] = True
+    left_out = problem.train & settled_rows(problem, prior) & ~fit.ground.used
+    out |= left_out & (np.abs(off) > INCREDIBLE * fit.ground.noise.deviation)
+    return out & ~usual(problem, off, prior)
+
+
+def usual(problem: Problem, off: np.ndarray, prior: NoisePrior) -> np.ndarray:
+    """Rows (n,) whose residual `off` (n,) stands off for a reason.
+
+    That is a turn, or as in each cycle or wherever the command is the same, or where a stop of
+    several samples begins as at others.
+    """
+    again = at_commands(problem.motion.drive, SAME_COMMAND * problem.around.step)
+    stands = problem.motion.stands
+    arriving = ~stands & np.append(stands[1:], False)
+    return (
+        turning(problem)
+        | returning(off, [*prior.groups, again])
+        | alike(off, arriving, prior.finest)
+    )
+
+
+def turning(problem: Problem) -> np.ndarray:
+    """Rows (n,) next to a reversal of a motion that a force is measured against.
+
+    There dry friction jumps within a row or two: that is a corner and no outlier.
+    """
+    out = np.zeros(len(problem.motion), dtype=bool)
+    if problem.motion.kinetics is not None:
+        turns = reversals_of(problem.motion.drive)
+        near = turns[:, None] + np.arange(-TURN_ROWS, TURN_ROWS + 1)
+        out[np.clip(near, 0, len(out) - 1)] = True
+    return out
+
+
+def excited_terms(problem: Problem) -> tuple[Term, ...]:
+    """Terms that these commands could have shown; outliers are found otherwise.
+
+    What depends on a shaft's angle can't be put into a trace that mixes several of them.
+    """
+    every = terms(problem.motion.others) if problem.motion.kinetics is None else force_terms()
+    return tuple(
+        t
+        for t in every
+        if t.excited(problem.motion, problem.around)
+        and t.name != "marker_outliers"
+        and not (problem.mixed and t.name in OF_ONE_SHAFT)
+    )
+
+
+def not_excited(problem: Problem) -> tuple[str, ...]:
+    """Names of the catalogue that this recording could not have shown."""
+    every = {t.name for t in (*terms(problem.motion.others), *force_terms())} | {"coupling"}
+    shown = {t.name for t in excited_terms(problem)}
+    shown.add("marker_outliers" if problem.motion.kinetics is None else LATE.name)
+    return tuple(sorted(every - shown))
+
+
+def settled_rows(problem: Problem, prior: NoisePrior) -> np.ndarray:
+    """Rows from the first reversal on: before it, the mechanism may remember an earlier motion.
+
+    All rows where that would cost more than three tenths of them, or more than a tenth where
+    neither a cycle repeats another nor a later stroke the first. All rows, too, of a force where no
+    later rows to fit on go nearly as far: no simulated curve says what a force is there.
+    """
+    out = np.ones(len(problem.motion), dtype=bool)
+    drive = problem.motion.drive
+    turns = reversals_of(drive)
+    again = prior.repeats > 0 or strokes_again(drive, turns)
+    most = MOST_UNSETTLED if again else MOST_UNREPEATED
+    if not (len(turns) and turns[0] < most * len(out)):
+        return out
+    out[: turns[0]] = False
+    later = drive[out & problem.train]
+    far = len(later) and np.ptp(later) > SAME_RANGE * np.ptp(drive[problem.train])
+    return out if far or problem.motion.kinetics is None else np.ones_like(out)
+
+
+def strokes_again(drive: np.ndarray, turns: np.ndarray) -> bool:
+    """Whether a drive (n,) that turns at `turns` makes the stroke that it begins with again."""
+    levels = drive[[0, *turns, len(drive) - 1]]
+    off = np.abs(np.column_stack([levels[2:-1] - levels[0], levels[3:] - levels[1]]))
+    return bool(np.any(np.all(off < SAME_LEVEL * np.ptp(drive), axis=1)))

@@ -1,0 +1,82 @@
+"""Polish: deletions, swaps, richer forms and moves of the best choice while it gets better."""
+
+from pipeline.discrepancy.fitting.fit import evaluate, improve
+from pipeline.discrepancy.search.choose import Choice, Key, Search, best_of_each, extended, grown
+from pipeline.discrepancy.search.moves import (
+    lagging,
+    loosened,
+    merged,
+    sheathed,
+    stopped,
+    tautened,
+    unpromised,
+)
+
+WORTH = 150.0
+
+
+def polished(search: Search, choices: list[Choice]) -> list[Choice]:
+    """Richer forms, deletions and swaps of the best as long as it gets better.
+
+    Where friction that is a share of the pull suits the best better than friction of one width, it
+    is polished so as well: what mends the one form's error would hide the other.
+    """
+    best = min(choices, key=lambda c: c.score)
+    alone = next((c for c in choices if c.fit.names == ("friction",)), best)
+    found = _polished(search, best_of_each([*choices, loosened(search, alone)]))
+    plain = min(
+        (c for c in found if set(c.fit.names) == set(best.fit.names)), key=lambda c: c.score
+    )
+    for start in {id(c): c for c in (plain, alone)}.values():
+        sheath = sheathed(search, start)
+        if sheath is not start and sheath.score < min(found[0].score, start.score):
+            found = best_of_each([*found, *_polished(search, [*choices, sheath])])
+    return best_of_each([*found, stopped(search, found[0])])
+
+
+def _polished(search: Search, choices: list[Choice]) -> list[Choice]:
+    """A swap begins from the rest refitted, and from the rest as it stood beside the old term."""
+    found = {c.fit.key: c for c in choices}
+    tried: set[Key] = set()
+    for _ in range(3):
+        best = min(found.values(), key=lambda c: c.score)
+        richest = lagging(search, merged(search, grown(search, best)))
+        richest = search.whitened(loosened(search, tautened(search, richest)))
+        if richest is not best:
+            found[richest.fit.key] = best = richest
+        for piece in best.fit.pieces:
+            rest = [p for p in best.fit.pieces if p is not piece]
+            key = frozenset((p.term.name, p.term.form) for p in rest)
+            if key in tried:
+                continue
+            tried.add(key)
+            fit = improve(evaluate(best.fit.ground, rest))
+            without = search.weighed(fit, best.place)
+            if without.score < best.score + WORTH:
+                without = grown(search, without)
+            found[without.fit.key] = without
+            if without.fit.key != key:
+                found.setdefault(key, without)
+            unmoved = evaluate(without.fit.ground, rest)
+            for child in extended(search, without, 5, begun=[unmoved]):
+                if child.fit.key not in found or child.score < found[child.fit.key].score:
+                    found[child.fit.key] = child
+        if min(found.values(), key=lambda c: c.score) is best:
+            bent = unpromised(search, best)
+            if bent is best:
+                break
+            found[bent.fit.key] = bent
+    else:
+        fewest = thinned(search, min(found.values(), key=lambda c: c.score))
+        found[fewest.fit.key] = fewest
+    return sorted(found.values(), key=lambda c: c.score)
+
+
+def thinned(search: Search, choice: Choice) -> Choice:
+    """The choice without the terms that earn nothing any more beside the others."""
+    for piece in choice.fit.pieces:
+        rest = [p for p in choice.fit.pieces if p is not piece]
+        fewer = search.weighed(improve(evaluate(choice.fit.ground, rest)), choice.place)
+        if fewer.score < choice.score:
+            return thinned(search, fewer)
+    return choice

@@ -1,0 +1,39 @@
+"""A damper behind a spring in place of dry friction: one remembers time, the other travel."""
+
+from dataclasses import replace
+
+from pipeline.discrepancy.fitting.reform import reformed
+from pipeline.discrepancy.fitting.screen import effects_of
+from pipeline.discrepancy.problem.problem import Problem
+from pipeline.discrepancy.search.choose import Choice, Search, best_of_each, choose
+from pipeline.discrepancy.search.polish import polished
+from pipeline.physics.catalogue import SPRUNG
+from pipeline.physics.term import Term
+
+OF_TRAVEL = ("coulomb_friction", "stribeck_friction")
+
+
+def sprung(search: Search, choices: list[Choice]) -> list[Choice]:
+    """The choices (best first); of a force also those with a damper behind a spring.
+
+    At one speed it is a bristle, so either takes the other's place at the first step of a search
+    and no later step leads back: it is looked for without dry friction, and in the place of the
+    best one's damper, and polished with all.
+    """
+    base = next(c for c in choices if not c.fit.pieces)
+    problem = base.fit.ground.problem
+    if problem.motion.kinetics is None:
+        return choices
+    without = tuple(t for t in search.terms if t.name not in OF_TRAVEL)
+    found = choose(among(search, problem, (*without, SPRUNG)), base.fit.ground)
+    best = choices[0]
+    for k, piece in enumerate(best.fit.pieces):
+        if piece.term.name == SPRUNG.name:
+            found = [*found, search.weighed(reformed(best.fit, k, SPRUNG), best.place)]
+    both = polished(among(search, problem, (*search.terms, SPRUNG)), found)
+    return best_of_each([*choices, *both])
+
+
+def among(search: Search, problem: Problem, terms: tuple[Term, ...]) -> Search:
+    """The search among other terms."""
+    return replace(search, terms=terms, effects=effects_of(problem, terms), vain={})
