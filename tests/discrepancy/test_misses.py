@@ -65,3 +65,21 @@ def test_friction_that_the_drive_bends_is_found_beside_the_stop_that_holds_the_j
     assert set(best.fit.names) == {"friction", "end_stop"}
     assert friction is not None
     np.testing.assert_allclose(friction.values[0], 3.8, rtol=0.05)
+
+
+@pytest.mark.parametrize(
+    ("key", "late"),
+    [
+        ("response_lag/whole", {"time_constant": 8.0}),
+        ("creep/whole", {"share": 0.3, "time_constant": 30.0}),
+    ],
+)
+def test_what_follows_a_slack_joint_late_is_found_beside_the_slack(key, late):
+    hidden = {"slack/home": {"width": 4.0, "rounding": 0.1}, key: late}
+    best = explained(recorded(hidden, noise=0.15)).choices[0]
+    found = {p.term.name: p for p in best.fit.pieces}
+    name = key.partition("/")[0]
+    assert set(found) == {"slack", name}
+    assert found[name].term.form == "whole"
+    np.testing.assert_allclose(found[name].values, list(late.values()), rtol=0.1)
+    np.testing.assert_allclose(found["slack"].values[0], 4.0, rtol=0.05)

@@ -292,6 +292,12 @@ def outside(fit: Fit) -> Fit | None:
     return improve(moved, 3) if any(p.term.in_balance for p in pieces) else moved
 
 
+def freed(fit: Fit) -> Fit:
+    """The fit; where something holds the joint, with other terms after the balance, if better."""
+    moved = outside(fit) if any(p.term.name in HOLDING for p in fit.pieces) else None
+    return fit if moved is None else min(fit, improve(moved), key=lambda f: f.cost)
+
+
 def leading(items: Sequence[T], most: int, idea: Callable[[T], Hashable]) -> list[T]:
     """The first items up to `most` different ideas, and all that are the same idea as one."""
     ideas = set(list(dict.fromkeys(idea(item) for item in items))[:most])

@@ -1,7 +1,15 @@
 """Polish: deletions, swaps, richer forms and moves of the best choice while it gets better."""
 
 from pipeline.discrepancy.fitting.fit import evaluate, improve
-from pipeline.discrepancy.search.choose import Choice, Key, Search, best_of_each, extended, grown
+from pipeline.discrepancy.search.choose import (
+    Choice,
+    Key,
+    Search,
+    best_of_each,
+    extended,
+    freed,
+    grown,
+)
 from pipeline.discrepancy.search.moves import (
     lagging,
     loosened,
@@ -50,7 +58,7 @@ def _polished(search: Search, choices: list[Choice]) -> list[Choice]:
             if key in tried:
                 continue
             tried.add(key)
-            fit = improve(evaluate(best.fit.ground, rest))
+            fit = freed(improve(evaluate(best.fit.ground, rest)))
             without = search.weighed(fit, best.place)
             if without.score < best.score + WORTH:
                 without = grown(search, without)
