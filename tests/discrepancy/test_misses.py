@@ -82,4 +82,4 @@ def test_what_follows_a_slack_joint_late_is_found_beside_the_slack(key, late):
     assert set(found) == {"slack", name}
     assert found[name].term.form == "whole"
     np.testing.assert_allclose(found[name].values, list(late.values()), rtol=0.1)
-    np.testing.assert_allclose(found["slack"].values[0], 4.0, rtol=0.05)
+    np.testing.assert_allclose(found["slack"].values[0], 4.0, rtol=0.08)
