@@ -2,6 +2,7 @@
 
 from pipeline.discrepancy.fitting.fit import evaluate, improve
 from pipeline.discrepancy.search.choose import (
+    MOST_TERMS,
     Choice,
     Key,
     Search,
@@ -70,14 +71,19 @@ def _polished(search: Search, choices: list[Choice]) -> list[Choice]:
                 if child.fit.key not in found or child.score < found[child.fit.key].score:
                     found[child.fit.key] = child
         if min(found.values(), key=lambda c: c.score) is best:
-            bent = unpromised(search, best)
-            if bent is best:
+            more = min([unpromised(search, best), *furthered(search, best)], key=lambda c: c.score)
+            if more.score >= best.score:
                 break
-            found[bent.fit.key] = bent
+            found[more.fit.key] = more
     else:
         fewest = thinned(search, min(found.values(), key=lambda c: c.score))
         found[fewest.fit.key] = fewest
     return sorted(found.values(), key=lambda c: c.score)
+
+
+def furthered(search: Search, choice: Choice) -> list[Choice]:
+    """The choice with each of the most promising further terms: the beam took it another way."""
+    return extended(search, choice) if len(choice.fit.pieces) < MOST_TERMS else []
 
 
 def thinned(search: Search, choice: Choice) -> Choice:
