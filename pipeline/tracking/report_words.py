@@ -98,7 +98,8 @@ def coordinate(name: str) -> str:
 def verdict_sentence(diagnosis: Diagnosis) -> str:
     """The verdict in a sentence."""
     named = listed(_with_site(physics) for physics in diagnosis.physics)
-    rest = f" (it shows in {diagnosis.unexplained.where})" if diagnosis.unexplained.where else ""
+    where = diagnosis.unexplained.where
+    rest = f" (it shows {'' if where == 'everywhere' else 'in '}{where})" if where else ""
     if diagnosis.verdict == "explained":
         return f"The simulation leaves out {named}."
     if diagnosis.verdict == "partly_explained":

@@ -208,6 +208,12 @@ def test_each_verdict_is_a_sentence(verdict: str, sentence: str) -> None:
     assert ("Backlash may also be friction." in said) is told
 
 
+def test_what_shows_everywhere_does_not_show_in_everywhere() -> None:
+    unknown = diagnosis("unknown_physics")
+    rest = replace(unknown.unexplained, where="everywhere")
+    assert "(it shows everywhere)" in verdict_sentence(replace(unknown, unexplained=rest))
+
+
 @pytest.mark.parametrize("verdict", ["no_mismatch", "unknown_physics"])
 def test_a_page_without_names_or_held_out_rows_is_whole(tmp_path: Path, verdict: str) -> None:
     nothing = replace(evidence(), located=(), hypotheses=())

@@ -28,11 +28,9 @@ FEWEST_BEYOND = 20
 HELDOUT = "on held-out samples, which the fit to the others does not predict"
 SLOWLY = "slow changes that come back, as no zero that wanders does"
 BEYOND = "at held-out commands beyond the range of those fitted"
-UNWITNESSED = "slow changes, and no cycle repeats another to show that they are a zero that walks"
+UNWITNESSED = "slow changes that may be a zero that walks, but no cycle repeats to show it"
 
-UNLIKE_REPEATS = (
-    "slow changes, and cycles that repeat another show that they are no zero that walks"
-)
+UNLIKE_REPEATS = "slow changes that are no zero that walks, as cycles that repeat show"
 
 
 def disproved(
