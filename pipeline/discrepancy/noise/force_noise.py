@@ -22,8 +22,9 @@ MEDIAN_SQUARE = 0.4549  # of a standard normal: the median does not count corner
 def noise_of_force(problem: Problem, kinetics: Kinetics) -> NoiseModel:
     """White noise of the size that a flexible law leaves on training rows, and its spell.
 
-    The law is linear in powers of position, velocity and acceleration, and in dry friction of
-    several pre-sliding travels, each with a part that differs by direction. What it leaves is as
+    The law is linear in powers of position, velocity and acceleration, in BENDS hats over position
+    and velocity, in SLOW polynomials of time, and in dry friction of several pre-sliding travels,
+    each with a part that differs by direction. What it leaves is as
     much the drive's own unevenness as noise, and varies slowly: weighing it by its spectrum would
     make all of the fit's say rest on its quickest moments. So rows weigh alike, and count as one in
     a spell, the sum of the residual's autocorrelations up to the first that is not positive (Geyer,
