@@ -25,6 +25,7 @@ class Contact(Term):
     name = "contact"
     site = "body"
     in_balance = True
+    holds = True
     grows: ClassVar = {
         side: tuple(f"{side} {how}" for how in ("unloading", HARDENING)) for side in SIDES
     }

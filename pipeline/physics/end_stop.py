@@ -20,6 +20,7 @@ class EndStop(Term):
     name = "end_stop"
     site = "body"
     in_balance = True
+    holds = True
     says = "It can't move beyond {angle}: it hits a stop."
 
     def __init__(self, form: str = "upper") -> None:

@@ -25,6 +25,7 @@ class Slack(Term):
     name = "slack"
     site = "transmission"
     in_balance = True
+    holds = True
     grows: ClassVar = {HOME: ("", f"{HOME} {BEHIND}"), "": (BEHIND,), f"{HOME} {BEHIND}": (BEHIND,)}
     says = "Around home both wires hang slack: nothing moves over {width} of drive."
 

@@ -90,6 +90,7 @@ class Term:
     line that a mechanic understands, with `{parameter}` fields.
     grows: for a form, those that hold more of the real thing; their first parameters are the same.
     far_apart: whether a start says little of where a fit from it ends, until it has gone some way.
+    holds: whether it keeps the joint where other terms of the balance would move it.
     own_law: whether a form bends otherwise than the plainer one whose parameters it has: a fit of
     that is one more place to begin from, not the only one.
     """
@@ -98,6 +99,7 @@ class Term:
     site: ClassVar[str]
     before_curve: bool = False
     in_balance: bool = False
+    holds: ClassVar[bool] = False
     own_law: bool = False
     adds: bool = False
     timed: ClassVar[bool] = False

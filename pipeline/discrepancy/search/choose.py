@@ -18,6 +18,7 @@ from pipeline.discrepancy.fitting.moments import settle_moments
 from pipeline.discrepancy.fitting.reform import reformed
 from pipeline.discrepancy.fitting.screen import Effects, Lead, screen, started
 from pipeline.discrepancy.noise.family import WHITE, NoiseFamily
+from pipeline.discrepancy.search.after_balance import Key, held, kin_of, with_others_outside
 from pipeline.physics.catalogue import richer
 from pipeline.physics.coupling import Coupling
 from pipeline.physics.term import Term
@@ -33,10 +34,8 @@ FAINT, BEHIND = 15.0, 0.5
 
 
 T = TypeVar("T")
-Key = frozenset[tuple[str, str]]
 Place = tuple[int, int, int]
 SLOW = ("lost_steps", "drift")
-HOLDING = ("slack", "contact", "end_stop")
 
 
 @dataclass(frozen=True)
@@ -222,9 +221,9 @@ def extended(
         if parent.fit.key | {(t.name, t.form)} not in skip
     ]
     starts = [(start, terms) for start in (parent.fit, *begun)]
-    unloaded = outside(parent.fit)
+    unloaded = with_others_outside(parent.fit)
     if unloaded is not None:
-        starts.append((unloaded, [t for t in terms if t.name in HOLDING]))
+        starts.append((unloaded, [t for t in terms if t.holds]))
     found: dict[Key, Fit] = {}
     unknown = not parent.fit.pieces and search.family.prior.repeats == 0
     for start, own in starts:
@@ -276,37 +275,10 @@ def worthwhile(
     return [t for t in best.values() if most_hoped < search.clear or hope(t) > BEHIND * most_hoped]
 
 
-def outside(fit: Fit) -> Fit | None:
-    """The fit with terms after the balance that are in it; None where none can be.
-
-    What holds the joint besides answers to them no more.
-    """
-    others = [p.term.outside() for p in fit.pieces]
-    if not any(others):
-        return None
-    pieces = [
-        p if other is None else replace(p, term=other)
-        for p, other in zip(fit.pieces, others, strict=True)
-    ]
-    moved = evaluate(fit.ground, pieces)
-    return improve(moved, 3) if any(p.term.in_balance for p in pieces) else moved
-
-
-def freed(fit: Fit) -> Fit:
-    """The fit; where something holds the joint, with other terms after the balance, if better."""
-    moved = outside(fit) if any(p.term.name in HOLDING for p in fit.pieces) else None
-    return fit if moved is None else min(fit, improve(moved), key=lambda f: f.cost)
-
-
 def leading(items: Sequence[T], most: int, idea: Callable[[T], Hashable]) -> list[T]:
     """The first items up to `most` different ideas, and all that are the same idea as one."""
     ideas = set(list(dict.fromkeys(idea(item) for item in items))[:most])
     return [item for item in items if idea(item) in ideas]
-
-
-def kin_of(fit: Fit) -> Key:
-    """The names of a fit's terms, forms that differ only beside what loads the joint as one."""
-    return frozenset((p.term.name, p.term.kin) for p in fit.pieces)
 
 
 def wanders(place: Place) -> bool:
@@ -335,7 +307,7 @@ def allowed(terms: Sequence[Term], fit: Fit) -> list[Term]:
     A coupling may stand once for each command. Where nothing holds the joint, what acts after the
     balance is about as in it.
     """
-    held = any(p.term.name in HOLDING for p in fit.pieces)
+    holding = held(fit)
     names = {p.term.name for p in fit.pieces}
     groups = {p.term.group for p in fit.pieces if p.term.group}
     keys = {(p.term.name, p.term.form) for p in fit.pieces}
@@ -344,7 +316,7 @@ def allowed(terms: Sequence[Term], fit: Fit) -> list[Term]:
         t
         for t in terms
         if (t.name, t.form) not in keys
-        and (held or t.before_curve or t.kin == t.form)
+        and (holding or t.before_curve or t.kin == t.form)
         and (t.name not in names or t.name in (*SIDED, Coupling.name))
         and not (t.group and t.group in groups)
         and not (isinstance(t, Coupling) and t.channel in coupled)

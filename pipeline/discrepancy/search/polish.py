@@ -1,14 +1,13 @@
 """Polish: deletions, swaps, richer forms and moves of the best choice while it gets better."""
 
 from pipeline.discrepancy.fitting.fit import evaluate, improve
+from pipeline.discrepancy.search.after_balance import Key, freed
 from pipeline.discrepancy.search.choose import (
     MOST_TERMS,
     Choice,
-    Key,
     Search,
     best_of_each,
     extended,
-    freed,
     grown,
 )
 from pipeline.discrepancy.search.moves import (
