@@ -15,7 +15,8 @@ from pipeline.physics.compliance import Compliance
 from pipeline.physics.contact import Contact
 from pipeline.physics.friction import Friction
 from pipeline.physics.mechanism import Piece
-from pipeline.physics.term import Term
+from pipeline.physics.term import Surroundings
+from pipeline.recording import reversals_of
 
 TIE = 9.0
 RIVAL_GAP = 14.0
@@ -37,6 +38,7 @@ SAME_AT_ONE_SPEED = (
 )
 DIFFERENT = 0.2
 FEW = 0.02
+SMALL = 0.25
 IN_STEP = ("inertia", "stiffness")
 ALONG = 0.99
 
@@ -63,7 +65,8 @@ def weights_of(choices: list[Choice]) -> np.ndarray:
 def standing(name: str, best: Choice, choices: list[Choice], problem: Problem) -> Standing:
     """What the other choices say of a name of the best one; one in disguise may be that other.
 
-    Those that are the best one in disguise say nothing, but for slack that may be what bends.
+    Those that are the best one in disguise say nothing, but for slack that may be what bends, and
+    for friction sharper than a step that fits better than the play it looks like.
     """
     distinct = by_names(choices)
     weights = weights_of(distinct)
@@ -75,7 +78,8 @@ def standing(name: str, best: Choice, choices: list[Choice], problem: Problem) -
     for choice in distinct:
         other = names(choice) - names(best)
         swapped = name not in names(choice) and len(names(choice)) == len(names(best))
-        if swapped and (name in BENDS or as_itself(choice, best)):
+        finer = other == {Friction.name} and choice.score < best.score
+        if swapped and (name in BENDS or finer or as_itself(choice, best)):
             for one in other:
                 gaps.setdefault(one, choice.score - best.score)
     tied = [n for n, gap in gaps.items() if gap < TIE]
@@ -120,7 +124,9 @@ def plainly(fit: Fit) -> list[str]:
             hidden = sharp(fit, i)
         elif isinstance(piece.term, Compliance) and piece.term.form not in ("joint", "toe"):
             reach, stretch, stiffness = piece.values[1:4]
-            hidden = bool(reach * stiffness / (stiffness + stretch) < step_of(fit, piece.term))
+            around = fit.ground.problem.around
+            step = around.step * slope_of(around)
+            hidden = bool(reach * stiffness / (stiffness + stretch) < step)
         found.append(DISGUISES[name] if hidden else name)
         k += len(piece.values)
     return found
@@ -146,9 +152,11 @@ def undisguised(choices: Sequence[Choice]) -> Choice:
 def sharp(fit: Fit, place: int) -> bool:
     """Whether the corners of a friction (the fit's piece there) are surely sharper than a step.
 
-    Or sharper than two, of which one sample sees the inside, where they may be as sharp as can be.
+    A step is what a quarter of the turns begin with no more than. Or sharper than two, of which one
+    sample sees the inside, where they may be as sharp as can be.
     """
-    piece, step = fit.pieces[place], step_of(fit, fit.pieces[place].term)
+    piece, around = fit.pieces[place], fit.ground.problem.around
+    step = first_step(fit.ground.problem.motion.drive) * slope_of(around)
     parameters = parameters_of(fit.ground, piece.term)
     reach = [p.name for p in parameters].index("reach")
 
@@ -164,11 +172,23 @@ def sharp(fit: Fit, place: int) -> bool:
     return within or not refuted(parameters[reach].low)
 
 
-def step_of(fit: Fit, term: Term) -> float:
-    """The usual step where a term acts, before the nominal curve or behind it."""
-    around = fit.ground.problem.around
-    slope = around.angle_span / max(around.drive_span, 1e-300)
-    return around.step if term.before_curve else around.step * slope
+def first_step(drive: np.ndarray) -> float:
+    """A step that a quarter of the turns of a drive (n,) begin with no more than; 0 without any.
+
+    Where it goes round a bend slowly, or by steps of any size, it shows more of a corner than its
+    usual step would.
+    """
+    steps = np.abs(np.diff(drive))
+    moves = np.flatnonzero(steps)
+    turns = reversals_of(drive)
+    first = np.searchsorted(moves, turns)
+    first = first[first < len(moves)]
+    return float(np.quantile(steps[moves[first]], SMALL)) if len(first) else 0.0
+
+
+def slope_of(around: Surroundings) -> float:
+    """The angle over the drive [angle unit/drive unit]."""
+    return around.angle_span / max(around.drive_span, 1e-300)
 
 
 def names(choice: Choice) -> frozenset[str]:
