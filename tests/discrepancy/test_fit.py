@@ -1,5 +1,6 @@
 """Fits: recovery, intervals that cover, ties, outliers."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -186,6 +187,25 @@ def test_cycles_still_repeat_in_a_thinned_recording_with_lost_frames():
     assert learn_noise(small).repeats == 20
     steps = recording.samples["step"].to_numpy()[small.picked.rows] if small.picked else []
     assert np.bincount(steps).min() >= 5
+
+
+def test_play_answers_in_thinned_rows_as_in_all():
+    """A command that turns back between two of them has been farther than they say."""
+    recording = recorded({}, cycles=60)
+    steps = 2.0 * np.random.default_rng(3).standard_normal(len(recording.samples))
+    command = np.abs((np.cumsum(steps) + 50.0) % 200.0 - 100.0) - 50.0
+    recording.samples["pitch_command_deg"] = command
+    problem = pose_problem(DiagnosisConfig(), recording, "pitch_angle_deg", 0.7 * command)
+    play = [Piece(term("backlash"), np.array([3.0]))]
+    small, every = thinned(problem)
+    assert every == 3
+    assert small.picked
+    assert len(small.picked.behind(play).motion) < 3 * len(small.motion)
+    off = small.trace(play).seen - problem.trace(play).seen[small.picked.rows]
+    assert np.abs(off).max() < 0.08
+    alone = replace(small, picked=replace(small.picked, turned=np.zeros(0, dtype=int)))
+    off = alone.trace(play).seen - problem.trace(play).seen[small.picked.rows]
+    assert np.abs(off).max() > 0.4
 
 
 def test_an_offset_is_judged_where_the_simulation_moves():

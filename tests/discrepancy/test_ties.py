@@ -11,7 +11,13 @@ from pipeline.discrepancy.model.intervals import covariance_of
 from pipeline.discrepancy.noise.noise import NoiseModel
 from pipeline.discrepancy.problem.problem import pose_problem
 from pipeline.discrepancy.search.choose import Choice
-from pipeline.discrepancy.search.ties import plainly, standing, undisguised, variance_given
+from pipeline.discrepancy.search.ties import (
+    first_step,
+    plainly,
+    standing,
+    undisguised,
+    variance_given,
+)
 from pipeline.physics.catalogue import term
 from pipeline.physics.mechanism import Piece
 from tests.discrepancy.made import NOISE, recorded
@@ -79,3 +85,20 @@ def test_a_name_is_told_as_what_it_hides_only_where_that_explains_as_well(ground
     plain_play = chosen(ground, 10.0, backlash=[2.0])
     assert undisguised([growing, plain_play]) is plain_play
     assert undisguised([growing, replace(plain_play, score=60.0)]) is growing
+
+
+@pytest.mark.parametrize("score", [-3.0, 3.0])
+def test_friction_sharper_than_a_step_is_said_where_it_fits_better(ground, score):
+    play = chosen(ground, 0.0, backlash=[2.0])
+    finer = chosen(ground, score, friction=[1.4, 0.08, 0.0])
+    assert plainly(finer.fit) == ["backlash"]
+    found = standing("backlash", play, [play, finer], ground.problem)
+    assert ("friction" in found.alternatives) == found.tied == (score < 0.0)
+
+
+def test_a_drive_that_goes_round_its_turns_slowly_shows_more_than_its_usual_step():
+    turns = np.arange(800)
+    wave, even = 50.0 * np.sin(turns / 20.0), 50.0 - np.abs(turns % 160 - 80.0) * 1.25
+    assert first_step(even) == pytest.approx(1.25)
+    assert first_step(wave) < 0.1 < np.median(np.abs(np.diff(wave)))
+    assert first_step(np.zeros(9)) == 0.0

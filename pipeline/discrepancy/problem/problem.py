@@ -88,8 +88,9 @@ class Problem:
         mechanism = Mechanism(self.curve, pieces)
         if self.averaged is not None:
             return self.averaged.trace(mechanism)
-        if self.picked is not None and any(piece.term.timed for piece in pieces):
-            return self.picked.trace(mechanism)
+        behind = self.behind(pieces)
+        if behind is not None:
+            return behind.trace(mechanism)
         if any(piece.term.before_curve for piece in pieces):
             return mechanism.trace(self.motion)
         return mechanism.balanced(self.nominal, self.motion)
@@ -101,8 +102,11 @@ class Problem:
 
     def by_row(self, pieces: Sequence[Piece]) -> bool:
         """Whether the rows alone say what pieces do, without samples behind them."""
-        timed = any(piece.term.timed for piece in pieces)
-        return self.averaged is None and not (timed and self.picked is not None)
+        return self.averaged is None and self.behind(pieces) is None
+
+    def behind(self, pieces: Sequence[Piece]) -> Picked | None:
+        """The samples behind the rows that pieces have to answer on, if the rows are too few."""
+        return None if self.picked is None else self.picked.behind(pieces)
 
     def rows(self, wanted: np.ndarray) -> "Problem":
         """The same problem on some of its rows (indices)."""

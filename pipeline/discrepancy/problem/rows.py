@@ -1,5 +1,6 @@
 """Rows to fit on in place of all samples: means over blocks of them, or some that were picked."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -76,13 +77,47 @@ class Picked:
     """Rows (indices) that were picked of a motion's samples.
 
     Terms that go by time answer on every sample: between picked rows the command is not held.
+    turned: samples (indices) at which a command stands out between two of them. Where there are
+    any, all terms answer on them too: what remembers travel has been there.
     """
 
     motion: Motion
     rows: np.ndarray
+    turned: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=int))
+
+    def behind(self, pieces: Sequence[Piece]) -> "Picked | None":
+        """The samples on which pieces have to answer; None where the picked rows say it all."""
+        if any(piece.term.timed for piece in pieces):
+            return self
+        return self.travelled if len(self.turned) else None
+
+    @cached_property
+    def travelled(self) -> "Picked":
+        """The picked rows of those samples alone that tell where the commands have been."""
+        kept = np.union1d(self.rows, self.turned)
+        return Picked(self.motion.rows(kept), np.searchsorted(kept, self.rows))
 
     def trace(self, mechanism: Mechanism) -> Trace:
         """What a mechanism does in the picked rows."""
         trace = mechanism.trace(self.motion)
         asked, body, seen = (x[self.rows] for x in (trace.asked, trace.body, trace.seen))
         return Trace(asked, body, seen, trace.state)
+
+
+def turned_between(motion: Motion, rows: np.ndarray, least: float) -> np.ndarray:
+    """Samples between picked rows (indices, rising) that a memory of travel needs, as indices.
+
+    Where one stands out beyond the rows before and after it by more than `least` of the range of a
+    command: the farthest to each side. Of play and of friction that is enough: what turns between
+    the extremes leaves no trace after them (the wiping-out property, Mayergoyz, Phys. Rev. Lett. 56
+    (1986) 1518).
+    """
+    found: set[int] = set()
+    for signal in (motion.drive, *motion.others.values()):
+        for values in (signal, -signal):
+            ends = np.maximum(values[rows[:-1]], values[rows[1:]])
+            highest = np.maximum.reduceat(values, rows)[:-1] if len(rows) > 1 else ends
+            for gap in np.flatnonzero(highest > ends + least * np.ptp(signal)):
+                first, last = rows[gap], rows[gap + 1]
+                found.add(int(first + np.argmax(values[first:last])))
+    return np.array(sorted(found), dtype=int)

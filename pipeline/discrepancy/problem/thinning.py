@@ -6,11 +6,12 @@ import numpy as np
 
 from pipeline.discrepancy.problem.problem import MOST_ROWS, Problem
 from pipeline.discrepancy.problem.repeats import same_motions
-from pipeline.discrepancy.problem.rows import Picked
+from pipeline.discrepancy.problem.rows import Picked, turned_between
 from pipeline.recording import reversals_of
 
 ALIKE = 4
 MOST_SAMPLES, SEARCHED = 60_000, 12_000
+STANDS_OUT = 1e-3
 
 
 def thinned(problem: Problem, whole: bool = False) -> tuple[Problem, int]:
@@ -28,7 +29,8 @@ def thinned(problem: Problem, whole: bool = False) -> tuple[Problem, int]:
     coarse = -(-len(problem.motion) // MOST_SAMPLES)
     fine = problem.rows(every_kth(problem, coarse)) if coarse > 1 else problem
     keep = every_kth(fine, -(-int(np.isfinite(fine.measured).sum()) // MOST_ROWS))
-    return replace(fine.rows(keep), picked=Picked(fine.motion, keep)), every
+    turned = turned_between(fine.motion, keep, STANDS_OUT)
+    return replace(fine.rows(keep), picked=Picked(fine.motion, keep, turned)), every
 
 
 def sparser(problem: Problem) -> Problem:
@@ -40,9 +42,9 @@ def sparser(problem: Problem) -> Problem:
     if picked is None or len(picked.motion) <= SEARCHED:
         return problem
     every = np.arange(0, len(picked.motion), -(-len(picked.motion) // SEARCHED))
-    kept = np.union1d(every, picked.rows)
-    rows = np.searchsorted(kept, picked.rows)
-    return replace(problem, picked=Picked(picked.motion.rows(kept), rows))
+    kept = np.union1d(every, np.union1d(picked.rows, picked.turned))
+    rows, turned = (np.searchsorted(kept, those) for those in (picked.rows, picked.turned))
+    return replace(problem, picked=Picked(picked.motion.rows(kept), rows, turned))
 
 
 def every_kth(problem: Problem, k: int) -> np.ndarray:
