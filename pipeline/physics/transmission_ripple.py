@@ -10,17 +10,17 @@ from pipeline.physics.motion import Motion
 from pipeline.physics.tabled import waved
 from pipeline.physics.term import NO_STATE, Parameter, Surroundings, Term
 
+OVERTONES = {"second": (2,), "third": (3,), "both": (2, 3)}
+
 
 @njit(cache=True, fastmath=True, error_model="numpy")
-def rippled(drive, turn, amplitude, phase, further, later, times):  # type: ignore[no-untyped-def]
-    """drive + amplitude sin(turn drive + phase) + further sin(times turn drive + later), (n,)."""
-    out = np.empty(drive.size)
-    for i in range(drive.size):
-        angle = turn * drive[i]
-        out[i] = drive[i] + amplitude * waved(angle + phase)[0]
-    if further != 0.0:
-        for i in range(drive.size):
-            out[i] += further * waved(times * turn * drive[i] + later)[0]
+def rippled(drive, turn, waves):  # type: ignore[no-untyped-def]
+    """drive + the sum of amplitude sin(times turn drive + phase) over waves (k, 3), (n,)."""
+    out = drive.copy()
+    for times, amplitude, phase in waves:
+        if amplitude != 0.0:
+            for i in range(drive.size):
+                out[i] += amplitude * waved(times * turn * drive[i] + phase)[0]
     return out
 
 
@@ -28,9 +28,9 @@ class TransmissionRipple(Term):
     """x = u + a (sin(2 pi u / period + phase) - sin(phase)): the error counts from drive 0.
 
     In the form "second" with its second harmonic too, in the form "third" with its third, as teeth
-    that change over in steps leave it. In the forms "afloat" without - sin(phase):
-    the zero was not taken where the drive is 0, and where the nominal curve bends that is more than
-    an offset.
+    that change over in steps leave it, in the form "both" with both. In the forms "afloat" without
+    - sin(phase): the zero was not taken where the drive is 0, and where the nominal curve bends
+    that is more than an offset.
     A period that the drive does not run through at least once and a third is no ripple to be seen.
     Source: kinematic transmission error, e.g. Tuttle and Seering, IEEE Trans. Robotics and
     Automation 12(3) (1996) 368.
@@ -42,7 +42,9 @@ class TransmissionRipple(Term):
     grows: ClassVar = {
         "first": ("first afloat", "second", "second afloat", "third afloat"),
         "first afloat": ("second afloat", "third afloat"),
-        "second": ("second afloat",),
+        "second": ("second afloat", "both afloat"),
+        "second afloat": ("both afloat",),
+        "third afloat": ("both afloat",),
     }
     says = (
         "The drive runs ahead and behind by {amplitude}, again and again every {period} of shaft."
@@ -50,7 +52,7 @@ class TransmissionRipple(Term):
 
     def __init__(self, form: str = "first") -> None:
         self.form = form
-        self.times = {"second": 2, "third": 3}.get(form.removesuffix(" afloat"), 1)
+        self.overtones = OVERTONES.get(form.removesuffix(" afloat"), ())
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
         span, unit = around.drive_span, around.drive_unit
@@ -59,24 +61,29 @@ class TransmissionRipple(Term):
             Parameter("period", unit, 2.0 * around.step, 0.75 * span, 0.3 * span, 0.0),
             Parameter("phase", "rad", -4.0 * np.pi, 4.0 * np.pi, 0.0, 0.0),
         )
-        if self.times == 1:
-            return own
-        size, phase = f"amplitude_{self.times}", f"phase_{self.times}"
-        return (
-            *own,
-            Parameter(size, unit, 0.0, 0.3 * span, 0.005 * span, 0.01 * span),
-            Parameter(phase, "rad", -4.0 * np.pi, 4.0 * np.pi, 0.0, 0.0),
-        )
+        for times in self.overtones:
+            own += (
+                Parameter(f"amplitude_{times}", unit, 0.0, 0.3 * span, 0.005 * span, 0.01 * span),
+                Parameter(f"phase_{times}", "rad", -4.0 * np.pi, 4.0 * np.pi, 0.0, 0.0),
+            )
+        return own
 
     def respond(
         self, signal: np.ndarray, motion: Motion, values: np.ndarray, state: np.ndarray | None
     ) -> tuple[np.ndarray, np.ndarray]:
-        amplitude, period, phase, further, later = (*values, 0.0, 0.0)[:5]
-        turn, times = 2.0 * np.pi / period, float(self.times)
-        out = rippled(np.ascontiguousarray(signal), turn, amplitude, phase, further, later, times)
+        waves = self.waves(values)
+        out = rippled(np.ascontiguousarray(signal), 2.0 * np.pi / values[1], waves)
         if "afloat" not in self.form:
-            out -= amplitude * np.sin(phase) + further * np.sin(later)
+            out -= float(waves[:, 1] @ np.sin(waves[:, 2]))
         return out, NO_STATE
+
+    def waves(self, values: np.ndarray) -> np.ndarray:
+        """How often each wave comes in a period, its amplitude and its phase, (k, 3)."""
+        out = np.empty((1 + len(self.overtones), 3))
+        out[:, 0] = (1.0, *self.overtones)
+        out[0, 1:] = values[0], values[2]
+        out[1:, 1:] = values[3:].reshape(-1, 2)
+        return out
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
         span, amplitude = around.drive_span, 0.002 * around.drive_span
@@ -84,9 +91,8 @@ class TransmissionRipple(Term):
         waves = np.arange(1.4 / span, highest, 0.5 / span)
         phases = np.arange(4) * np.pi / 4.0
         rows = [[amplitude, 1.0 / f, p] for f in waves for p in phases]
-        if self.times > 1:
-            second = [[0.3 * amplitude, p] for p in np.arange(4) * np.pi / 2.0]
-            rows = [[*r, *s] for r in rows for s in second]
+        for _ in self.overtones:
+            rows = [[*r, 0.3 * amplitude, p] for r in rows for p in np.arange(4) * np.pi / 2.0]
         return np.array(rows).reshape(len(rows), -1)
 
     def scaled(self, values: np.ndarray, factor: float) -> np.ndarray:
@@ -97,7 +103,7 @@ class TransmissionRipple(Term):
 
     def retold(self, starts: np.ndarray) -> np.ndarray:
         """Of two waves the long one may be the second harmonic of a longer one still."""
-        if self.times != 2:
+        if self.overtones != (2,):
             return starts
         longer = starts[:, [3, 1, 4, 0, 2]] * [1.0, 2.0, 1.0, 1.0, 1.0]
         return np.vstack([starts, longer])
@@ -107,7 +113,8 @@ class TransmissionRipple(Term):
         return around.drive_unit not in FORCES and around.drive_span > 8.0 * around.step > 0.0
 
     def sentence(self, values: np.ndarray, around: Surroundings) -> str:
-        """Of two waves the larger one is told."""
-        if self.times > 1 and values[3] > values[0]:
-            values = np.concatenate([[values[3], values[1] / self.times], values[2:]])
-        return super().sentence(values, around)
+        """Of several waves the largest one is told."""
+        waves = self.waves(values)
+        times, amplitude, _ = waves[np.argmax(waves[:, 1])]
+        told = np.concatenate([[amplitude, values[1] / times], values[2:]])
+        return super().sentence(told, around)

@@ -80,6 +80,15 @@ def test_a_ripple_with_flat_tops_draws_no_other_name():
     assert (physics.name, found.verdict) == ("transmission_ripple", "explained")
 
 
+def test_a_ripple_of_three_harmonics_leaves_no_rest():
+    teeth = {"amplitude": 3.0, "period": 22.0, "phase": 1.5, "amplitude_2": 1.2, "phase_2": 0.5,
+             "amplitude_3": 0.9, "phase_3": 4.0}  # fmt: skip
+    (found,) = diagnosed(recorded({"transmission_ripple/both afloat": teeth}, seed=11)).diagnoses
+    (physics,) = found.physics
+    assert (physics.name, found.verdict) == ("transmission_ripple", "explained")
+    assert found.after.heldout_rmse < 1.1 * NOISE
+
+
 def test_friction_and_creep_of_one_dwell_list_each_other():
     result = diagnosed(recorded({"friction": {"width": 3.0, "reach": 3.0}}, seed=4))
     physics = result.diagnoses[0].physics

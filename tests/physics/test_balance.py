@@ -297,8 +297,10 @@ def test_a_wire_that_hung_slack_has_its_toe_beyond():
 
 def test_a_ripple_counts_from_where_the_drive_is_zero_or_from_its_mean():
     motion = line(-30.0, 30.0, 61)
-    mean = {"first": 2.0 * np.sin(1.1), "second": 2.0 * np.sin(1.1) + 0.4 * np.sin(2.0)}
-    for form, values in (("first", [2.0, 13.0, 1.1]), ("second", [2.0, 13.0, 1.1, 0.4, 2.0])):
+    first, second, third = 2.0 * np.sin(1.1), 0.4 * np.sin(2.0), 0.7 * np.sin(0.6)
+    mean = {"first": first, "second": first + second, "both": first + second + third}
+    waves = [2.0, 13.0, 1.1, 0.4, 2.0, 0.7, 0.6]
+    for form, values in (("first", waves[:3]), ("second", waves[:5]), ("both", waves)):
         homed = answer(motion, Piece(TransmissionRipple(form), np.array(values)))
         afloat = answer(motion, Piece(TransmissionRipple(f"{form} afloat"), np.array(values)))
         assert homed[30] == pytest.approx(0.0, abs=1e-12)
