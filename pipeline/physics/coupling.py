@@ -8,6 +8,7 @@ from pipeline.physics.motion import Motion
 from pipeline.physics.term import NO_STATE, Parameter, Surroundings, Term
 
 WITH_PLAY, DIRECT = "/play", "/direct"
+SIZES = 3
 
 
 class Coupling(Term):
@@ -27,6 +28,9 @@ class Coupling(Term):
     name = "coupling"
     site = "body"
     says = "The command {other} moves this one too, by {gain} of it."
+    says_squared = (
+        "The command {other} moves this one too, by {gain} of it and {bend} of its square."
+    )
     says_with_play = (
         "The command {other} moves this one too, by {gain} of it, and drags it along by {drag} of "
         "the first {width} after each of its reversals."
@@ -83,16 +87,17 @@ class Coupling(Term):
         return signal + other * (values[0] + values[1] * other), NO_STATE
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
-        start = [self.parameters(around)[0].start, 0.0]
+        gain, span = self.parameters(around)[0].start, around.other_span.get(self.channel, 2.0)
         if not self.plays:
-            return np.array([start])
-        drag, span = start[0], around.other_span.get(self.channel, 2.0)
-        return np.array(
-            [[*start, d, w * span] for w in (0.05, 0.15, 0.35) for d in (-4.0 * drag, 4.0 * drag)]
-        )
+            return np.array([[gain, 0.0], [0.0, 2.0 * gain / max(span, 1e-9)]])
+        drags, widths = (-4.0 * gain, 4.0 * gain), (0.05 * span, 0.15 * span, 0.35 * span)
+        return np.array([[gain, 0.0, drag, width] for width in widths for drag in drags])
+
+    def scaled(self, values: np.ndarray, factor: float) -> np.ndarray:
+        return np.concatenate([factor * values[:SIZES], values[SIZES:]])
 
     def void(self, values: np.ndarray) -> bool:
-        return bool(values[0] == 0.0 and (not self.plays or values[2] == 0.0))
+        return not np.any(values[:SIZES])
 
     def excited(self, motion: Motion, around: Surroundings) -> bool:
         return around.other_span.get(self.channel, 0.0) > 0.0
@@ -102,6 +107,6 @@ class Coupling(Term):
             p.name: f"{value:.3g} {p.unit}"
             for p, value in zip(self.parameters(around), values, strict=True)
         }
-        return (self.says_with_play if self.plays else self.says).format(
-            other=self.channel, **named
-        )
+        squared = abs(values[1]) * 0.5 * around.other_span.get(self.channel, 0.0) > abs(values[0])
+        says = self.says_squared if squared else self.says
+        return (self.says_with_play if self.plays else says).format(other=self.channel, **named)

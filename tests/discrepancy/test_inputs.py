@@ -48,6 +48,16 @@ def test_a_coupling_that_turns_what_the_joint_stands_on_draws_no_other_name():
     assert found["bend"] == pytest.approx(2.04e-3, rel=0.1)
 
 
+def test_a_coupling_by_the_square_of_the_other_command_is_recovered():
+    hidden = {f"coupling/{YAW}": {"gain": 0.0, "bend": 4e-3}}
+    (diagnosis,) = diagnose(DiagnosisConfig(), recorded(hidden, seed=4, two_axes=True)).diagnoses
+    (physics,) = diagnosis.physics
+    assert (physics.name, diagnosis.verdict) == ("coupling", "explained")
+    found = {e.name: e.value for e in physics.parameters}
+    assert found["bend"] == pytest.approx(4.08e-3, rel=0.1)
+    assert "of its square" in physics.says
+
+
 def test_a_coupling_that_is_no_load_leaves_a_slack_joint_where_it_hangs():
     hidden = {
         f"coupling/{YAW}/direct": {"gain": 0.1},
