@@ -56,7 +56,7 @@ class TransmissionRipple(Term):
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
         span, unit = around.drive_span, around.drive_unit
-        own = (
+        own: tuple[Parameter, ...] = (
             Parameter("amplitude", unit, 0.0, 0.3 * span, 0.02 * span, 0.01 * span),
             Parameter("period", unit, 2.0 * around.step, 0.75 * span, 0.3 * span, 0.0),
             Parameter("phase", "rad", -4.0 * np.pi, 4.0 * np.pi, 0.0, 0.0),
