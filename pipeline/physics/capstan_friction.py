@@ -4,6 +4,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from pipeline.number_words import worded
 from pipeline.physics.force_units import FORCES, LENGTHS
 from pipeline.physics.motion import Motion
 from pipeline.physics.pre_sliding import ELEMENTS, dragging, sliding
@@ -48,7 +49,7 @@ class CapstanFriction(Term):
     says_of_bent = (
         "The sheath holds the wire back by a share of its pull: the two ways differ by a factor "
         "of exp(2 x {wrap:.3g}) at first, and of exp(2 x {later:.3g}) once it was bent anew, over "
-        "{lasts:.3g} s from {bent:.3g} s on."
+        "{lasts} s from {bent} s on."
     )
 
     def __init__(self, form: str = "capstan") -> None:
@@ -166,11 +167,12 @@ class CapstanFriction(Term):
 
     def sentence(self, values: np.ndarray, around: Surroundings) -> str:
         if self.form == BENT:
-            names = (p.name for p in self.parameters(around))
-            return self.says_of_bent.format(**dict(zip(names, values, strict=True)))
+            named = dict(zip((p.name for p in self.parameters(around)), values, strict=True))
+            late = {name: worded(named[name]) for name in ("lasts", "bent")}
+            return self.says_of_bent.format(**(named | late))
         if self.form != "pretensioned":
             return super().sentence(values, around)
         return self.says_of_pretensioned.format(
             percent=100.0 * float(np.expm1(2.0 * values[0])),
-            pretension=f"{abs(values[3]):.3g} {around.angle_unit}",
+            pretension=f"{worded(abs(values[3]))} {around.angle_unit}",
         )

@@ -4,6 +4,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from pipeline.number_words import worded
 from pipeline.physics.force_term import ASYMMETRY, ForceTerm, both_ways, resistance
 from pipeline.physics.motion import Kinetics, Motion
 from pipeline.physics.pre_sliding import dragging, sliding, weighted
@@ -86,7 +87,7 @@ class CoulombFriction(ForceTerm):
     def sentence(self, values: np.ndarray, around: Surroundings) -> str:
         asymmetry = float(values[2]) if "asymmetric" in self.form else 0.0
         ways = both_ways(float(values[0]), asymmetry, around.angle_unit)
-        reach = f"{values[1]:.3g} {around.drive_unit}"
+        reach = f"{worded(values[1])} {around.drive_unit}"
         if "smoothed" in self.form:
             return f"Dry friction holds back by {ways} at any speed beyond about {reach}/s."
         return f"Dry friction holds back by {ways} at any speed, and turns round over {reach}."

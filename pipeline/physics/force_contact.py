@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from pipeline.number_words import worded
 from pipeline.physics.contact import SIDES
 from pipeline.physics.force_term import ForceTerm, per
 from pipeline.physics.motion import Kinetics, Motion
@@ -56,5 +57,5 @@ class ForceContact(ForceTerm):
     def sentence(self, values: np.ndarray, around: Surroundings) -> str:
         """The position with its sign: it has a side."""
         way = "Above" if self.side > 0.0 else "Below"
-        at = f"{values[1]:.3g} {around.drive_unit}"
-        return f"{way} {at} it touches a spring of {values[0]:.3g} {per(around, 0)} more."
+        at = f"{worded(values[1])} {around.drive_unit}"
+        return f"{way} {at} it touches a spring of {worded(values[0])} {per(around, 0)} more."

@@ -6,6 +6,7 @@ from typing import ClassVar
 import numpy as np
 
 from pipeline.errors import refusal
+from pipeline.number_words import worded
 from pipeline.physics.motion import Kinetics, Motion
 from pipeline.physics.term import NO_STATE, Parameter, Surroundings, Term, TermError
 
@@ -73,6 +74,6 @@ def per(around: Surroundings, seconds: int) -> str:
 def both_ways(mean: float, asymmetry: float, unit: str) -> str:
     """`27 N s/m rising and 35 N s/m falling`; `27 N s/m` where they are the same."""
     if asymmetry == 0.0:
-        return f"{abs(mean):.3g} {unit}"
+        return f"{worded(abs(mean))} {unit}"
     rising, falling = (abs(mean * (1.0 + s * asymmetry)) for s in (1.0, -1.0))
-    return f"{rising:.3g} {unit} rising and {falling:.3g} {unit} falling"
+    return f"{worded(rising)} {unit} rising and {worded(falling)} {unit} falling"

@@ -4,6 +4,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from pipeline.number_words import worded
 from pipeline.physics.motion import Motion
 from pipeline.physics.term import NO_STATE, Parameter, Surroundings, Term
 
@@ -64,7 +65,7 @@ class LostSteps(Term):
         if self.form == "once":
             return super().sentence(values, around)
         named = {
-            p.name: f"{abs(v):.3g} {p.unit}"
+            p.name: f"{worded(abs(v))} {p.unit}"
             for p, v in zip(self.parameters(around), values, strict=True)
         }
         return self.says_twice.format(**named)

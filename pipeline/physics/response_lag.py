@@ -5,6 +5,7 @@ from typing import ClassVar
 import numpy as np
 from numba import njit
 
+from pipeline.number_words import worded
 from pipeline.physics.balance import Load
 from pipeline.physics.equilibrium import NEARBY, NEVER
 from pipeline.physics.held import dwells, slewed
@@ -193,11 +194,11 @@ class ResponseLag(Term):
             return super().sentence(values, around)
         if self.form == "slewing":
             return self.says_of_slewing.format(
-                time_constant=f"{values[0]:.3g} s",
-                top_speed=f"{values[1]:.3g} {around.drive_unit}/s",
+                time_constant=f"{worded(values[0])} s",
+                top_speed=f"{worded(values[1])} {around.drive_unit}/s",
             )
         return self.says_of_second.format(
             who="The motor itself" if self.form == "motor" else "The whole motion",
-            natural_frequency=f"{values[0]:.3g} rad/s",
+            natural_frequency=f"{worded(values[0])} rad/s",
             damping=f"{values[1]:.2g}",
         )

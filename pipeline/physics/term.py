@@ -7,6 +7,7 @@ from typing import ClassVar
 import numpy as np
 
 from pipeline.errors import LoopgapError, refusal
+from pipeline.number_words import worded
 from pipeline.physics.motion import Motion
 
 SITES = ("actuator", "transmission", "body", "sensor")
@@ -163,7 +164,7 @@ class Term:
     def sentence(self, values: np.ndarray, around: Surroundings) -> str:
         """`says` with its numbers filled in."""
         named = {
-            p.name: f"{abs(v):.3g} {p.unit}".strip()
+            p.name: f"{worded(abs(v))} {p.unit}".strip()
             for p, v in zip(self.parameters(around), values, strict=True)
         }
         return self.says.format(**named)

@@ -5,6 +5,7 @@ from typing import ClassVar
 import numpy as np
 from numba import njit
 
+from pipeline.number_words import worded
 from pipeline.physics.decay import decayed
 from pipeline.physics.force_term import ASYMMETRY, ForceTerm, both_ways, per, resistance
 from pipeline.physics.motion import Kinetics, Motion
@@ -96,7 +97,7 @@ class ViscousFriction(ForceTerm):
         told = "Friction that grows with the speed holds back by"
         if self.form == "sprung":
             size = both_ways(float(values[0]), 0.0, per(around, 1))
-            return f"{told} {size} behind a spring that it lets go of in {values[1]:.3g} s."
+            return f"{told} {size} behind a spring that it lets go of in {worded(values[1])} s."
         asymmetry = self.asymmetry(values)
         ways = both_ways(float(values[0]), asymmetry, per(around, 1))
         if "square" not in self.form:

@@ -4,6 +4,7 @@ import math
 from collections.abc import Iterable
 
 from pipeline.discrepancy.model.result import Diagnosis, NamedPhysics
+from pipeline.number_words import LARGEST
 
 TITLES = {
     "no_mismatch": "Nothing left out",
@@ -63,10 +64,10 @@ def said(name: str) -> str:
 
 
 def number(value: float) -> str:
-    """Three significant digits without an exponent where it can be; a dash for what is not."""
+    """At least three significant digits, an exponent where it must be; a dash for what is not."""
     if not math.isfinite(value):
         return "–"
-    if value != 0.0 and not 1e-3 <= abs(value) < 1e5:
+    if value != 0.0 and not 1e-3 <= abs(value) < LARGEST:
         return f"{value:.2e}".replace("-", "−")
     digits = 0 if value == 0.0 else max(0, 2 - math.floor(math.log10(abs(value))))
     text = f"{value:.{digits}f}"

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pandas as pd
 
+from pipeline.number_words import LARGEST
 from pipeline.recording import write_atomically
 
 METRIC_COLUMNS = ("axis", "method", "cycle", "metric", "value", "unit", "n")
@@ -79,6 +80,8 @@ def _cell(column: str, value: object) -> str:
         return ABSENT
     if isinstance(value, float):
         places = next((n for unit, n in DECIMALS.items() if column.endswith(unit)), None)
+        if places is None and 9999.5 <= abs(value) < LARGEST:
+            return f"{value:.0f}"
         return f"{value:.4g}" if places is None else f"{value:.{places}f}"
     return str(value)
 

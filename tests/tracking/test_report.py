@@ -235,7 +235,7 @@ def test_a_sure_name_comes_before_the_open_ones() -> None:
 @pytest.mark.parametrize(
     ("value", "text"),
     [(8.0412, "8.04"), (0.0, "0"), (-0.2, "−0.2"), (1234.5, "1234"), (0.00012, "1.20e−04"),
-     (float("nan"), "–"), (100.0, "100"), (0.21, "0.21")],
+     (float("nan"), "–"), (100.0, "100"), (0.21, "0.21"), (1700000003.2, "1700000003")],
 )  # fmt: skip
 def test_numbers_have_three_digits(value: float, text: str) -> None:
     assert number(value) == text

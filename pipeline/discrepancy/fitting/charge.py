@@ -4,6 +4,7 @@ import numpy as np
 
 from pipeline.discrepancy.fitting.calibration import FAR_OFF, absurd_gain
 from pipeline.discrepancy.fitting.fit import Fit, Ground, parameters_of
+from pipeline.number_words import worded
 from pipeline.physics.term import Term
 
 TERM_COST = 8.0
@@ -68,11 +69,11 @@ def absurd_calibration(fit: Fit) -> str | None:
     problem = fit.ground.problem
     turned = gain <= 0.0 and problem.derivatives is None
     if turned or absurd_gain(float(gain), problem.tolerance):
-        return f"the gain, which is {gain:.3g}"
+        return f"the gain, which is {worded(gain)}"
     middle = around.angle_low + 0.5 * around.angle_span
     there = offset + (gain - 1.0) * middle
     if abs(there) > max(around.angle_span, FAR_OFF * fit.ground.problem.tolerance.offset):
-        return f"the offset, which is {offset:.3g} {around.angle_unit}"
+        return f"the offset, which is {worded(offset)} {around.angle_unit}"
     return None
 
 

@@ -7,6 +7,7 @@ from pipeline.discrepancy.model.intervals import DEVIATIONS, FALL, wide_covarian
 from pipeline.discrepancy.model.result import Estimate
 from pipeline.discrepancy.noise.family import NoiseFamily
 from pipeline.discrepancy.search.choose import Choice
+from pipeline.number_words import worded
 from pipeline.physics.force_term import ASYMMETRY, ForceTerm
 from pipeline.physics.mechanism import Piece
 from pipeline.physics.term import values_of
@@ -65,7 +66,7 @@ def said_of_ways(piece: Piece, ways: tuple[Estimate, ...]) -> str:
         return ""
     rising, falling = ways
     told = " and ".join(
-        f"{e.value:.3g} {e.unit} ({e.low:.3g} to {e.high:.3g}) {way}"
+        f"{worded(e.value)} {e.unit} ({worded(e.low)} to {worded(e.high)}) {way}"
         for e, (way, _) in zip((rising, falling), WAYS, strict=True)
     )
     return f" Told apart by direction it is {told}, which explains nothing more."

@@ -6,12 +6,13 @@ from scipy.stats import chi2, f
 from pipeline.discrepancy.model.result import Estimate, Evidence, NamedPhysics
 from pipeline.discrepancy.problem.problem import Problem
 from pipeline.discrepancy.search.choose import SLOW, Choice
+from pipeline.number_words import worded
 from pipeline.physics.drift import Drift
 from pipeline.physics.lost_steps import LostSteps
 
 FEWEST_CYCLES = 5
 SURELY, WITHIN = 0.9, 0.95
-SAYS = "The zero is another one in each cycle, by about {size:.3g} {unit}: no command foretells it."
+SAYS = "The zero is another one in each cycle, by about {size} {unit}: no command foretells it."
 OR_SLIPPED = " It stands at two levels, one after the other: one slip in between leaves the same."
 
 
@@ -80,5 +81,5 @@ def zero_of_each_cycle(problem: Problem, choice: Choice, evidence: Evidence) -> 
         parameters=(Estimate("deviation", size, low, high, unit),),
         heldout_rmse_without=float(np.sqrt(np.mean(off[counted] ** 2))),
         alternatives=(LostSteps.name,) if slipped else (),
-        says=SAYS.format(size=size, unit=unit) + (OR_SLIPPED if slipped else ""),
+        says=SAYS.format(size=worded(size), unit=unit) + (OR_SLIPPED if slipped else ""),
     )

@@ -3,6 +3,7 @@
 import numpy as np
 
 from pipeline.discrepancy.fitting.fit import Fit
+from pipeline.number_words import worded
 from pipeline.physics.lost_steps import LostSteps
 from pipeline.physics.mechanism import Piece
 from pipeline.recording import reversals_of
@@ -28,6 +29,6 @@ def start_note(fit: Fit) -> list[str]:
     unit = fit.ground.problem.around.drive_unit
     found = [sum(p.values[0::2]) for p in fit.pieces if is_start(fit, p)]
     return [
-        f"At the start the wire lay as if the drive had come from {abs(jump):.3g} {unit} off."
+        f"At the start the wire lay as if the drive had come from {worded(abs(jump))} {unit} off."
         for jump in found
     ]

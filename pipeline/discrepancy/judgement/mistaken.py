@@ -8,6 +8,7 @@ from pipeline.discrepancy.model.intervals import undated
 from pipeline.discrepancy.model.result import Estimate, Evidence, NamedPhysics, root_mean
 from pipeline.discrepancy.problem.problem import Problem
 from pipeline.discrepancy.search.explain import INCREDIBLE, Explanation
+from pipeline.number_words import worded
 from pipeline.physics.catalogue import term
 
 FEWEST = 3
@@ -17,7 +18,7 @@ Z, SURELY = 1.96, 0.97
 AGAIN = "In {share:.2g} of the samples the sensor says again what it said in the one before."
 STALE = (
     "In {share:.2g} of the frames the camera shows the pose of the frame before: "
-    "they are {size:.3g} {unit} off."
+    "they are {size} {unit} off."
 )
 
 
@@ -117,5 +118,5 @@ def said_of(name: str, found: tuple[Estimate, Estimate], problem: Problem) -> st
     """One line for a mechanic on mistaken or, as `frame_lag`, stale frames."""
     share, size = (e.value for e in found)
     if name == "frame_lag":
-        return STALE.format(share=share, size=size, unit=problem.around.angle_unit)
+        return STALE.format(share=share, size=worded(size), unit=problem.around.angle_unit)
     return term(name).sentence(np.array([share, size]), problem.around)

@@ -16,6 +16,7 @@ from pipeline.discrepancy.noise.learning import FINEST
 from pipeline.discrepancy.noise.noise import NoiseModel
 from pipeline.discrepancy.search.choose import Choice
 from pipeline.discrepancy.search.explain import Explanation
+from pipeline.number_words import worded
 
 CHANCE = 1e-5
 SMALLEST_SIZE, REPEATED = 0.2, 0.5
@@ -148,7 +149,7 @@ def humming(explanation: Explanation, choice: Choice) -> Sign | None:
     share, period = hum(choice)
     if share <= LOUD:
         return None
-    where = f"a hum in time, again and again every {period:.3g} samples"
+    where = f"a hum in time, again and again every {worded(period)} samples"
     return Sign(where, float(np.sqrt(share)) * choice.fit.ground.noise.deviation, CHANCE)
 
 

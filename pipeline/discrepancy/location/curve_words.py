@@ -2,6 +2,8 @@
 
 import numpy as np
 
+from pipeline.number_words import worded
+
 BINS = 160
 SIMPLER = 0.03
 NOTHING = 1e-10
@@ -86,7 +88,7 @@ def _one_side(
     shares = least_squares_shares(ramps, y, beside, weight)
     best = int(np.argmax(shares))
     way = "positive" if begins[best] > 0.5 * (x[0] + x[-1]) else "negative"
-    return float(shares[best]), f"beyond {begins[best]:.3g} {unit} on the {way} side"
+    return float(shares[best]), f"beyond {worded(begins[best])} {unit} on the {way} side"
 
 
 def _both_sides(
@@ -101,7 +103,7 @@ def _both_sides(
     best = int(np.argmax(shares))
     if widths[best] < 0.35 * reach:
         return float(shares[best]), f"within {widths[best]:.2g} {unit} of home"
-    return float(shares[best]), f"beyond {widths[best]:.3g} {unit} on both sides"
+    return float(shares[best]), f"beyond {worded(widths[best])} {unit} on both sides"
 
 
 def _periodic(
@@ -117,7 +119,7 @@ def _periodic(
     near = coarse + np.linspace(-0.125, 0.125, 21)
     shares = _wave_shares(near, x, y, beside, weight)
     best = int(np.argmax(shares))
-    return float(shares[best]), f"periodically, every {span / near[best]:.3g} {unit}"
+    return float(shares[best]), f"periodically, every {worded(span / near[best])} {unit}"
 
 
 def _wave_shares(

@@ -13,6 +13,7 @@ from pipeline.discrepancy.location.curve_words import (
     least_squares_shares,
 )
 from pipeline.discrepancy.problem.spikes import Spikes
+from pipeline.number_words import worded
 
 CLEAR = 0.75
 FADES = 0.005
@@ -93,7 +94,7 @@ def describe(
 def describe_spikes(spikes: Spikes, scene: Scene) -> tuple[str, Profile]:
     """Words and lines for samples that stand apart from their neighbours."""
     height = np.abs(spikes.height[spikes.lone])
-    words = f"in {len(height)} single frames, up to {height.max():.3g} {scene.unit} off"
+    words = f"in {len(height)} single frames, up to {worded(height.max())} {scene.unit} off"
     number = np.arange(len(spikes.height), dtype=float)
     curve = np.column_stack([number, spikes.height])[spikes.lone]
     return words, Profile("sample", f"off its neighbours [{scene.unit}]", {"frames": curve})
@@ -139,7 +140,7 @@ def _loop_words(loop: np.ndarray, fades: bool, scene: Scene) -> str:
     begin, side, stepped = _step_along(ground.drive, opposite)
     if fades and stepped > max(ONE_LEVEL, 2.0 * share):
         return (
-            f"beyond {begin:.3g} {scene.drive_unit} of command on the {side} side, "
+            f"beyond {worded(begin)} {scene.drive_unit} of command on the {side} side, "
             "differently on the way up and down"
         )
     if fades and share > FADES:
@@ -147,7 +148,7 @@ def _loop_words(loop: np.ndarray, fades: bool, scene: Scene) -> str:
     level = float(np.mean(opposite))
     if level**2 > ONE_LEVEL * float(np.mean((loop - np.mean(loop)) ** 2)):
         side = "behind the motion" if level < 0 else "ahead in the direction of motion"
-        return f"{side}, by {abs(level):.3g} {scene.unit}"
+        return f"{side}, by {worded(abs(level))} {scene.unit}"
     for way, end in ((-1, "upper"), (1, "lower")):
         rows = ground.direction == way
         width, share = fading_width(ground.travel[rows], opposite[rows], ground.step)
@@ -175,7 +176,7 @@ def _step_along(drive: np.ndarray, opposite: np.ndarray) -> tuple[float, str, fl
 def _fading_words(turns: str, width: float, scene: Scene) -> str:
     if width <= 1.5 * scene.ground.step:
         return f"at once after {turns}"
-    return f"after {turns}, over {width:.3g} {scene.drive_unit} of command"
+    return f"after {turns}, over {worded(width)} {scene.drive_unit} of command"
 
 
 def fading_width(travel: np.ndarray, opposite: np.ndarray, step: float) -> tuple[float, float]:
@@ -204,7 +205,10 @@ def _level_words(level: np.ndarray, fitted: np.ndarray, scene: Scene, noun: str,
     middle = 0.5 * (np.quantile(level, 0.02) + np.quantile(level, 0.98))
     high, low = level > middle, level <= middle
     noun = f"{noun} " if noun else ""
-    ends = (f"{noun}{np.median(level[high]):.3g} {unit}", f"{np.median(level[low]):.3g} {unit}")
+    ends = (
+        f"{noun}{worded(np.median(level[high]))} {unit}",
+        f"{worded(np.median(level[low]))} {unit}",
+    )
     opposite = float(np.mean((direction * fitted)[high]) - np.mean((direction * fitted)[low]))
     alike = float(np.mean(fitted[high]) - np.mean(fitted[low]))
     if abs(opposite) >= abs(alike):
@@ -213,7 +217,7 @@ def _level_words(level: np.ndarray, fitted: np.ndarray, scene: Scene, noun: str,
         return (
             f"{more} {'behind' if behind else 'ahead of'} the motion at {ends[0]} than at {ends[1]}"
         )
-    return f"shifts by {alike:+.3g} at {ends[0]} against {ends[1]}"
+    return f"shifts by {worded(alike, '+')} at {ends[0]} against {ends[1]}"
 
 
 def _other_words(channel: str, fitted: np.ndarray, scene: Scene) -> str:
@@ -244,11 +248,11 @@ def _time_words(own: np.ndarray, scene: Scene) -> str:
         begin = float(centre[2 + int(np.argmax(steps))])
         after = time_s >= begin
         jump = float(np.mean(own[after]) - np.mean(own[~after]))
-        return f"from {begin:.0f} s on, by {jump:+.3g} {scene.unit}"
+        return f"from {worded(begin)} s on, by {worded(jump, '+')} {scene.unit}"
     drift = float(np.polyfit(centre, mean, 1)[0] * np.ptp(time_s))
     if line > CLEAR:
-        return f"steadily over the recording, by {drift:+.3g} {scene.unit} in all"
-    return f"slowly over the recording, within {np.ptp(mean):.3g} {scene.unit}"
+        return f"steadily over the recording, by {worded(drift, '+')} {scene.unit} in all"
+    return f"slowly over the recording, within {worded(np.ptp(mean))} {scene.unit}"
 
 
 def _cycle_words(fitted: np.ndarray, own: np.ndarray, scene: Scene) -> str:

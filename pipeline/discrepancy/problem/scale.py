@@ -4,6 +4,7 @@ import numpy as np
 
 from pipeline.discrepancy.problem.problem import DiagnosisError
 from pipeline.errors import refusal
+from pipeline.number_words import worded
 from pipeline.recording import Recording
 
 LARGEST, LEAST_SPAN, ROUNDED = 1e15, 1e-9, 1e-12
@@ -22,7 +23,7 @@ def refuse_other_scales(recording: Recording) -> None:
         span = float(np.ptp(known)) if len(known) else 0.0
         if size <= LARGEST and (span <= ROUNDED * size or span >= LEAST_SPAN):
             continue
-        found = f"{size:.3g}" if size > LARGEST else f"values that differ by {span:.3g}"
+        found = f"{worded(size)}" if size > LARGEST else f"values that differ by {worded(span)}"
         raise DiagnosisError(
             refusal(
                 f"channel {channel.name!r}",
