@@ -1,7 +1,9 @@
 """A recording: samples of named channels with units and roles, and the folder that holds it."""
 
+import hashlib
 import json
 import os
+import re
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -12,6 +14,7 @@ import pandas as pd
 
 from pipeline.errors import RecordingError as RecordingError
 from pipeline.errors import refusal
+from pipeline.leading import leading_command
 from pipeline.sample_table import check_time, read_sample_table
 
 SCHEMA = "loopgap.recording/1"
@@ -22,6 +25,8 @@ NAME_UNITS = (
     "deg_s", "rad_s", "m_s", "mm_s", "m_s2",
 )  # fmt: skip
 REVERSAL_SHARE = 0.01
+MOST_CYCLES = 10**9
+LONGEST_STEM = 100
 
 
 @dataclass(frozen=True)
@@ -69,7 +74,8 @@ class Recording:
 
     def simulation_of(self, measurement: str) -> Channel | None:
         """The simulation channel of a measurement, if the recording carries one."""
-        return next((c for c in self.channels if c.of == measurement), None)
+        simulations = self.with_role("simulation")
+        return next((c for c in simulations if c.of == measurement), None)
 
     def with_channel(self, channel: Channel, values: np.ndarray) -> "Recording":
         """The same recording with one more channel; `values` has shape (n,)."""
@@ -173,12 +179,15 @@ def cycles_from_reversals(command: np.ndarray) -> np.ndarray:
 
 
 def with_context(samples: pd.DataFrame, channels: Sequence[Channel]) -> pd.DataFrame:
-    """Add `cycle` and `step` where they are absent, from the command that travels farthest."""
+    """Add `cycle` and `step` where they are absent, from the command that leads."""
     samples = samples.copy()
     if "cycle" not in samples:
-        commands = [c.name for c in channels if c.role == "command"]
-        travel = {c: float(np.abs(np.diff(samples[c].to_numpy(float))).sum()) for c in commands}
-        leader = max(travel, key=lambda name: travel[name]) if travel else None
+        leader = leading_command(
+            *(
+                {c.name: samples[c.name].to_numpy(float) for c in channels if c.role == role}
+                for role in ("command", "measurement")
+            )
+        )
         samples["cycle"] = cycles_from_reversals(samples[leader].to_numpy(float)) if leader else 0
     if "step" not in samples:
         samples["step"] = samples.groupby("cycle").cumcount()
@@ -210,6 +219,17 @@ def write_head(channels: Sequence[Channel], source: str, folder: Path) -> None:
     write_atomically(folder / "recording.json", json.dumps(head, indent=1))
 
 
+def file_stem(name: str) -> str:
+    """A channel's name as the beginning of a file's; another one where no file can be named so.
+
+    Names such as `/joint/angle [0]` keep their letters, and get a mark that no other name has.
+    """
+    plain = re.sub(r"[^\w.-]", "_", name).lstrip(".")
+    if plain == name and len(name.encode()) <= LONGEST_STEM:
+        return name
+    return f"{plain[: LONGEST_STEM // 4]}-{hashlib.sha256(name.encode()).hexdigest()[:8]}"
+
+
 def write_atomically(path: Path, content: str | bytes) -> None:
     """Put `content` in `path` by way of a synced neighbour file and a rename; text is UTF-8."""
     neighbour = path.with_name(f".{path.name}.{os.getpid()}.part")
@@ -234,7 +254,7 @@ def _read_head(path: Path) -> dict[str, object]:
         )  # fmt: skip
     try:
         head = json.loads(path.read_text(encoding="utf-8-sig"))
-    except (json.JSONDecodeError, UnicodeDecodeError) as error:
+    except (json.JSONDecodeError, UnicodeDecodeError, RecursionError) as error:
         raise RecordingError(
             refusal(str(path), "JSON", f"{error}", "Mend the file or write it anew.")
         ) from error
@@ -261,6 +281,11 @@ def _read_channels(path: Path, head: dict[str, object]) -> tuple[Channel, ...]:
                 refusal(f"{path}, channel {number}", "text for `name`, `role` and `unit`",
                         repr(entry), "Add what is missing.")
             )  # fmt: skip
+        if not isinstance(entry.get("of"), str | None):
+            raise RecordingError(
+                refusal(f"{path}, channel {number}", "text for `of`", repr(entry["of"]),
+                        "Name one measurement; each simulation has a channel of its own.")
+            )  # fmt: skip
         channels.append(Channel(entry["name"], entry["role"], entry["unit"], entry.get("of")))
     check_channels(str(path), channels)
     return tuple(channels)
@@ -274,6 +299,13 @@ def check_channels(path: str, channels: Sequence[Channel]) -> None:
             refusal(path, "each channel once", f"{repeated[0]!r} repeated", "Remove one.")
         )
     measurements = {c.name: c for c in channels if c.role == "measurement"}
+    context = [c.name for c in channels if c.name in CONTEXT_COLUMNS and c.role != "other"]
+    if context:
+        raise RecordingError(
+            refusal(f"{path}, channel {context[0]!r}", "a channel beside the context columns "
+                    f"{', '.join(CONTEXT_COLUMNS)}", "one of them",
+                    "Take it out: they need no entry.")
+        )  # fmt: skip
     for channel in channels:
         where = f"{path}, channel {channel.name!r}"
         if channel.role not in ROLES:
@@ -319,6 +351,7 @@ def _check_samples(path: Path, samples: pd.DataFrame, channels: Sequence[Channel
     may_be_empty = {c.name for c in channels if c.role != "command"}
     names = [n for n in CONTEXT_COLUMNS if n in samples] + [c.name for c in channels]
     for name in names:
+        _check_kind(path, samples[name])
         numbers = pd.to_numeric(samples[name], errors="coerce")
         finite = np.isfinite(numbers.to_numpy(float))
         bad = ~finite & (samples[name].notna().to_numpy() if name in may_be_empty else True)
@@ -340,12 +373,24 @@ def _check_samples(path: Path, samples: pd.DataFrame, channels: Sequence[Channel
             _check_whole(path, samples, name, first_row)
 
 
+def _check_kind(path: Path, column: pd.Series) -> None:
+    """Refuse a column that holds dates, or lists: they would become other numbers, or none."""
+    lists = column.dtype == object and bool(column.map(pd.api.types.is_list_like).any())
+    if lists or column.dtype.kind in "mM":
+        raise RecordingError(
+            refusal(f"{path}, column {column.name!r}", "numbers",
+                    "lists" if lists else f"dates or times of day ({column.dtype})",
+                    "Write one number in each row; a time in seconds.")
+        )  # fmt: skip
+
+
 def _check_whole(path: Path, samples: pd.DataFrame, name: str, first_row: int) -> None:
     values = samples[name].to_numpy(float)
-    bad = np.flatnonzero((values < 0) | (values != np.round(values)))
+    bad = np.flatnonzero((values < 0) | (values != np.round(values)) | (values > MOST_CYCLES))
     if bad.size:
         raise RecordingError(
             refusal(f"{path}, row {int(bad[0]) + first_row}, column {name!r}",
-                    "a whole number from 0", f"{values[bad[0]]:g}", "Correct it.")
+                    f"a whole number from 0 to {MOST_CYCLES:g}", f"{values[bad[0]]:g}",
+                    "Correct it.")
         )  # fmt: skip
     samples[name] = values.astype(int)

@@ -11,6 +11,7 @@ from pipeline.recording import (
     RecordingError,
     branch_of,
     cycles_from_reversals,
+    file_stem,
     load_recording,
     reversals_of,
     save_recording,
@@ -294,3 +295,66 @@ def test_recordings_of_the_collection_load(concealed_recordings):
         if np.ptp(recording.values("yaw_command_deg")) == 0:
             found = cycles_from_reversals(command)
             assert np.array_equal(found, recording.values("cycle"))
+
+
+@pytest.mark.parametrize(
+    ("entry", "found"),
+    [
+        (
+            {"name": "x", "role": "simulation", "unit": "deg", "of": ["y"]},
+            r"text for `of`.*\['y'\]",
+        ),
+        ({"name": "time_s", "role": "command", "unit": "s"}, "beside the context columns time_s"),
+    ],
+)
+def test_entries_that_name_no_measurement_or_a_context_column(tmp_path, entry, found):
+    folder = written(tmp_path)
+    edit_head(folder, channels=[COMMAND.as_json(), ANGLE.as_json(), entry])
+    with pytest.raises(RecordingError, match=f"recording.json, channel .*{found}"):
+        load_recording(folder)
+
+
+def test_head_nested_beyond_all_reading(tmp_path):
+    folder = written(tmp_path)
+    (folder / "recording.json").write_text("[" * 100_000)
+    with pytest.raises(RecordingError, match="expected JSON; found maximum recursion"):
+        load_recording(folder)
+
+
+@pytest.mark.parametrize("number", ["99999999999999999999", "1e300"])
+def test_more_cycles_than_can_be_counted(tmp_path, number):
+    folder = written(tmp_path)
+    edit_samples(folder, "cycle", 4, number)
+    with pytest.raises(RecordingError, match="row 6, column 'cycle': expected a whole number"):
+        load_recording(folder)
+
+
+@pytest.mark.parametrize(
+    ("column", "values", "found"),
+    [
+        ("time_s", pd.to_datetime(np.arange(120), unit="s"), "dates or times of day"),
+        ("time_s", pd.to_timedelta(np.arange(120), unit="s"), "dates or times of day"),
+        (ANGLE.name, [[1.0, 2.0]] * 120, "lists"),
+    ],
+)
+def test_parquet_columns_that_hold_no_numbers(tmp_path, column, values, found):
+    folder = written(tmp_path)
+    (folder / "samples.csv").unlink()
+    samples = a_recording().samples.assign(**{column: values})
+    samples.to_parquet(folder / "samples.parquet")
+    with pytest.raises(RecordingError, match=f"{column}': expected numbers; found {found}"):
+        load_recording(folder)
+
+
+def test_only_a_simulation_simulates():
+    command = Channel("pitch_command_deg", "command", "deg", of=ANGLE.name)
+    recording = Recording(a_recording().samples, (command, ANGLE, SIMULATION))
+    assert recording.simulation_of(ANGLE.name) == SIMULATION
+
+
+def test_every_channel_has_a_file_of_its_own():
+    names = ["pitch_angle_deg", "Größe", "/joint/angle[0]", "/joint/angle/0/", "../x", "a" * 300]
+    stems = [file_stem(name) for name in names]
+    assert stems[:2] == names[:2]
+    assert len(set(stems)) == len(names)
+    assert all("/" not in s and not s.startswith(".") and len(s) < 100 for s in stems)

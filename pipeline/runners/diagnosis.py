@@ -19,6 +19,7 @@ from pipeline.errors import UsageError, refusal
 from pipeline.recording import (
     Channel,
     Recording,
+    file_stem,
     load_recording,
     save_recording,
     write_atomically,
@@ -54,7 +55,7 @@ def run_diagnosis(run: Run) -> None:
     write_answer(answered, run.folder)
     write_pages(answered, run.folder)
     for evidence in answered.evidence:
-        file = made(run.folder / "diagnosis") / f"{evidence.measurement}.csv"
+        file = made(run.folder / "diagnosis") / f"{file_stem(evidence.measurement)}.csv"
         write_atomically(file, _table(evidence).to_csv(index=False))
     table = overview(answered.diagnoses)
     write_table(table, run.folder / "diagnosis", "table")
@@ -89,7 +90,8 @@ def _answer(config: DiagnosisConfig, recordings: Sequence[Recording]) -> Answere
 
 def commands_file(measurement: str, measurements: int) -> str:
     """Where the commands proposed for a measurement stand, in a run of so many measurements."""
-    return "next_commands.csv" if measurements == 1 else f"next_commands_{measurement}.csv"
+    whose = "" if measurements == 1 else f"_{file_stem(measurement)}"
+    return f"next_commands{whose}.csv"
 
 
 def write_answer(answered: Answered, folder: Path) -> None:

@@ -11,7 +11,7 @@ from jinja2 import Environment, StrictUndefined
 from markupsafe import Markup
 
 from pipeline.discrepancy.model.result import Diagnosis, Evidence
-from pipeline.recording import write_atomically
+from pipeline.recording import file_stem, write_atomically
 from pipeline.tracking import report_words as words
 from pipeline.tracking.diagnosis_figures import diagnosis_figures, overview_figure, spoken, svg_of
 from pipeline.tracking.figures import save_figure
@@ -49,15 +49,15 @@ def write_report(
     """
     measurements, reviews = [], {}
     for diagnosis, proof, proposed in zip(diagnoses, evidence, commands, strict=True):
-        figures = diagnosis_figures(proof, proposed)
+        figures, stem = diagnosis_figures(proof, proposed), file_stem(diagnosis.measurement)
         saved = {
-            name: save_figure(figure, folder / "figures", f"{diagnosis.measurement}_{name}")
+            name: save_figure(figure, folder / "figures", f"{stem}_{name}")
             for name, figure in figures.items()
         }
         pictures = {name: paths[0].read_bytes() for name, paths in saved.items()}
         reviews[diagnosis.measurement] = review_of(proof, pictures)
         drawn = {
-            name: Markup(svg_of(figure, f"{diagnosis.measurement}-{name}", PAGE_COLOURS))
+            name: Markup(svg_of(figure, f"{stem}-{name}", PAGE_COLOURS))
             for name, figure in figures.items()
         }
         measurements.append(_measurement(diagnosis, proof, drawn))

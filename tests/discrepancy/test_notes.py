@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 
 from pipeline.config import DiagnosisConfig
-from pipeline.discrepancy.judgement.notes import doubled_note, nearer_note
+from pipeline.discrepancy.judgement.notes import doubled_note, nearer_note, other_simulations_note
 from pipeline.discrepancy.problem.problem import pose_problem
 from pipeline.recording import Channel, Recording, with_context
 
@@ -42,3 +42,13 @@ def test_rows_that_were_written_twice_are_said():
     (note,) = doubled_note(Recording(with_context(samples, CHANNELS[:2]), CHANNELS[:2], "real"))
     assert note.startswith("3 of 8 rows repeat the one before")
     assert doubled_note(Recording(with_context(once, CHANNELS[:2]), CHANNELS[:2], "real")) == []
+
+
+def test_simulations_that_nobody_looked_at_are_said():
+    other = Channel("tip_elsewhere_deg", "simulation", "deg", of="tip_deg")
+    recording = Recording(pd.DataFrame(), (*CHANNELS, other), "real")
+    (note,) = other_simulations_note(recording, "tip_deg")
+    assert note.startswith(
+        "tip_elsewhere_deg simulates tip_deg, too, and was left out: tip_sim_deg"
+    )
+    assert other_simulations_note(Recording(pd.DataFrame(), CHANNELS, "real"), "tip_deg") == []

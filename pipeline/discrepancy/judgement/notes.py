@@ -12,6 +12,7 @@ from pipeline.discrepancy.problem.problem import Problem
 from pipeline.discrepancy.search.accuracy import hidden
 from pipeline.discrepancy.search.choose import Choice
 from pipeline.discrepancy.search.explain import Explanation
+from pipeline.number_words import worded
 from pipeline.physics.differentiation import Derivatives
 from pipeline.recording import Recording
 
@@ -26,17 +27,18 @@ def notes(
     if intolerable(best):
         gain, offset = best.fit.nuisance[:2]
         out.append(
-            f"The calibration (gain {gain:.3g}, offset {offset:.3g} {problem.around.angle_unit}) "
-            f"is more than {FAR_OFF:.0f} tolerances off: check it, or declare "
-            "`diagnosis.tolerance`."
+            f"The calibration (gain {worded(gain)}, offset {worded(offset)} "
+            f"{problem.around.angle_unit}) is more than {FAR_OFF:.0f} tolerances off: check it, "
+            "or declare `diagnosis.tolerance`."
         )
     out += still_note(problem, best) or free_gain_note(problem, best)
     out += start_note(best.fit)
     out += doubled_note(evidence.recording)
+    out += other_simulations_note(evidence.recording, evidence.measurement)
     out += sample_notes(problem)
     if problem.counted:
         out.append(
-            f"{problem.drive} was recorded in counts of {problem.counted:.3g} "
+            f"{problem.drive} was recorded in counts of {worded(problem.counted)} "
             f"{problem.around.drive_unit}, and the measurement does not go in such steps: the "
             "smoothest motion within half a count drives the terms."
         )
@@ -52,7 +54,7 @@ def notes(
     if problem.derivatives is not None:
         out += force_notes(problem, problem.derivatives, every)
     elif every > 1:
-        out.append(f"Terms were fitted on every {every}th sample and all reversals.")
+        out.append(f"Terms were fitted on one sample in {every} and all reversals.")
     if not problem.static:
         out.append(
             "The simulation is no static curve of one command: terms act on its trace. What acts "
@@ -76,6 +78,16 @@ def doubled_note(recording: Recording) -> list[str]:
     return [
         f"{doubled} of {len(rows)} rows repeat the one before to the last digit, time and all, and "
         "count like others: if the log wrote them twice, leave them out, or the noise looks less."
+    ]
+
+
+def other_simulations_note(recording: Recording, measurement: str) -> list[str]:
+    """Which simulations of a measurement nobody looked at: the first one is corrected."""
+    simulations = recording.with_role("simulation")
+    names = [c.name for c in simulations if c.of == measurement]
+    return [
+        f"{name} simulates {measurement}, too, and was left out: {names[0]} was corrected."
+        for name in names[1:]
     ]
 
 
@@ -107,8 +119,8 @@ def free_gain_note(problem: Problem, best: Choice) -> list[str]:
     if problem.tolerance.gain < LOOSE_GAIN or abs(gain - 1.0) < WORTH_SAYING:
         return []
     return [
-        f"The simulation's gain is {gain:.3g}: it was left free, as the simulation was fitted to "
-        "this measurement, or jumps with the direction as rigid friction does."
+        f"The simulation's gain is {worded(gain)}: it was left free, as the simulation was fitted "
+        "to this measurement, or jumps with the direction as rigid friction does."
     ]
 
 
@@ -121,7 +133,7 @@ def still_note(problem: Problem, best: Choice) -> list[str]:
     sign = np.sign(np.polyfit(drive, problem.simulated, 1)[0])
     return [
         f"The simulation does not move: a line in {problem.drive} stands in its place, whose gain "
-        f"({sign * gain:.3g} {unit}) and zero were fitted beside the names."
+        f"({worded(sign * gain)} {unit}) and zero were fitted beside the names."
     ]
 
 
@@ -144,7 +156,7 @@ def force_notes(problem: Problem, found: Derivatives, every: int) -> list[str]:
     if np.isfinite(found.cutoff_hz):
         out[0] = (
             "Velocity and acceleration are central differences of the position after a low-pass "
-            f"without delay at {found.cutoff_hz:.3g} Hz (sampled at {found.rate_hz:.4g} Hz)."
+            f"without delay at {worded(found.cutoff_hz)} Hz (sampled at {found.rate_hz:.4g} Hz)."
         )
     if found.resampled:
         out.append(f"Samples stand unevenly: an even grid of {found.rate_hz:.4g} Hz stood between.")
@@ -152,9 +164,9 @@ def force_notes(problem: Problem, found: Derivatives, every: int) -> list[str]:
     if delay.value != 0.0:
         low, high = sorted(abs(1e3 * end) for end in (delay.low, delay.high))
         out.append(
-            f"The force was recorded {abs(1e3 * delay.value):.3g} ms ({low:.3g} to {high:.3g}) "
-            f"{'after' if delay.value > 0.0 else 'before'} the motion that it belongs to: the "
-            "motion was moved there."
+            f"The force was recorded {worded(abs(1e3 * delay.value))} ms ({worded(low)} to "
+            f"{worded(high)}) {'after' if delay.value > 0.0 else 'before'} the motion that it "
+            "belongs to: the motion was moved there."
         )
     ends = int(np.sum(np.isfinite(problem.measured) & ~found.known))
     out.append(
@@ -178,7 +190,7 @@ def accuracy_note(explanation: Explanation, best: Choice) -> list[str]:
     ]
     if size is not None:
         out.append(
-            f"A smooth error over every command ({size:.3g} {unit} RMS) is taken for the "
+            f"A smooth error over every command ({worded(size)} {unit} RMS) is taken for the "
             "measurement's own and corrected with gain and offset: it foretells later samples."
         )
     found = hidden(explanation.search, best)
@@ -186,7 +198,8 @@ def accuracy_note(explanation: Explanation, best: Choice) -> list[str]:
         name, without, with_it = found
         out.append(
             f"Within that accuracy {name} may be hidden: with it, later samples of those fitted "
-            f"would be foretold to {with_it:.3g} {unit}, without it to {without:.3g} {unit} (RMS)."
+            f"would be foretold to {worded(with_it)} {unit}, without it to {worded(without)} "
+            f"{unit} (RMS)."
         )
     return out
 
@@ -208,9 +221,9 @@ def nearer_note(problem: Problem, evidence: Evidence) -> list[str]:
         return []
     unit = problem.around.angle_unit
     return [
-        f"A line in {name} alone is nearer to the measurement ({off[name]:.3g} {unit}) than one in "
-        f"the simulation ({own:.3g} {unit}): the simulation may lag, or move, where the mechanism "
-        "does not. Without it (`simulation=affine`) more may be found."
+        f"A line in {name} alone is nearer to the measurement ({worded(off[name])} {unit}) than "
+        f"one in the simulation ({worded(own)} {unit}): the simulation may lag, or move, where the "
+        "mechanism does not. Without it (`simulation=affine`) more may be found."
     ]
 
 
