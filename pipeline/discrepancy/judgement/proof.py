@@ -45,9 +45,9 @@ def disproved(
     off: (n,) measurement minus that prediction, over all samples of the problem. Lone rows, and
     those between which a slip may lie, are not counted. The noise that goes with the fit may walk,
     and so take for noise what follows the commands slowly: then a slow part that comes back to its
-    level is surely likelier than a walk of any size (`wander.py`). Where each cycle has another
-    zero, that is taken off. Of a force against motion, whose rest is slow in any case, that is not
-    asked.
+    level is surely likelier than a walk of any size (`wander.py`). How slow it is, is a matter of
+    measured samples, not of rows between them. Where each cycle has another zero, that is taken
+    off. Of a force against motion, whose rest is slow in any case, that is not asked.
     """
     noise = choice.fit.ground.noise
     off, counted = counted_errors(problem, explanation, choice, off)
@@ -59,8 +59,11 @@ def disproved(
     walking = taken_for_a_walk(explanation, choice, off[used & problem.train])
     if walking is not None:
         return replace(structure, found=True, where=walking)
-    stands = problem.motion.stands
-    gain, likely = comes_back(off, problem.cycle, used, stands, noise, SLOW_CORRELATION)
+    rows = np.flatnonzero(np.isfinite(problem.measured))
+    motion = problem.motion.rows(rows)
+    gain, likely = comes_back(
+        off[rows], motion.cycle, used[rows], motion.stands, noise, SLOW_CORRELATION
+    )
     large = likely.correlated > SMALLEST_SIZE * noise.deviation
     if not (large and likely.correlation > SLOW_CORRELATION and gain > -2.0 * np.log(CHANCE)):
         return structure
