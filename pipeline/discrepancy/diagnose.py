@@ -183,6 +183,7 @@ def model_of(
         zero=None if wandering else zero_at_end(problem, choice.fit),
         counted=problem.counted,
         rough=problem.rough,
+        zeros=problem.motion.zeros,
     )
 
 

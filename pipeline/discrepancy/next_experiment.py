@@ -13,6 +13,7 @@ from pipeline.discrepancy.model.model import Hypothesis
 from pipeline.discrepancy.model.result import Evidence
 from pipeline.discrepancy.noise.noise import NoiseModel
 from pipeline.discrepancy.search.ties import BENDS
+from pipeline.number_words import worded
 from pipeline.physics.differentiation import differentiate
 from pipeline.physics.force_units import position_behind
 from pipeline.physics.frame_lag import FrameLag
@@ -158,6 +159,7 @@ class Drive:
     offset: float
     beside: Sequence[str]
     radian: float
+    zeros: Mapping[str, float]
     begin_s: float
     cycle: int
     force: bool
@@ -186,6 +188,7 @@ class Drive:
             offset=offset,
             beside=tuple(motion.others),
             radian=motion.radian,
+            zeros=motion.zeros,
             begin_s=float(motion.time_s[-1]),
             cycle=int(motion.cycle[-1]) + 1,
             force=motion.kinetics is not None,
@@ -222,6 +225,7 @@ class Drive:
             cycle=self.cycle + cycle,
             others={n: table[n].to_numpy() for n in self.beside},
             radian=self.radian,
+            zeros=self.zeros,
             kinetics=kinetics,
         )
 
@@ -340,4 +344,4 @@ def length(minutes: float) -> str:
     """`52 minutes`, `1.8 hours` or `40 s`."""
     if minutes >= 100.0:
         return f"{minutes / 60.0:.1f} hours"
-    return f"{minutes:.0f} minutes" if minutes >= 2.0 else f"{60.0 * minutes:.0f} s"
+    return f"{minutes:.0f} minutes" if minutes >= 2.0 else f"{worded(60.0 * minutes)} s"

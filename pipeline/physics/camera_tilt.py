@@ -3,6 +3,7 @@
 import numpy as np
 from numba import njit
 
+from pipeline.physics.force_units import RADIAN
 from pipeline.physics.motion import Motion
 from pipeline.physics.tabled import waved
 from pipeline.physics.term import NO_STATE, Parameter, Surroundings, Term
@@ -64,4 +65,4 @@ class CameraTilt(Term):
         return np.array([[0.2, d] for d in np.arange(-4, 4) * np.pi / 8.0])
 
     def excited(self, motion: Motion, around: Surroundings) -> bool:
-        return around.angle_unit in ("deg", "rad") and around.drive_span > 0.0
+        return around.angle_unit in RADIAN and around.drive_span > 0.0

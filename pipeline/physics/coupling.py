@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from pipeline.number_words import worded
 from pipeline.physics.backlash import play
 from pipeline.physics.balance import Load
 from pipeline.physics.motion import Motion
@@ -13,6 +14,8 @@ SIZES = 3
 
 class Coupling(Term):
     """A load on the joint by the other axis's command v, whose channel is the first part of `form`.
+
+    v counts from that command's zero (`Motion.zeros`), which may be far from 0 in encoder counts.
 
     Form "channel": gain v + bend v^2. Form "channel/play": drag (v - P(v)) besides, P being the
     play operator of `width`: what the other wire drags along until it slips. drag = -gain is a
@@ -71,8 +74,12 @@ class Coupling(Term):
             Parameter("width", others, 0.0, 0.9 * span, 0.1 * span, 0.05 * span),
         )
 
+    def counted(self, motion: Motion) -> np.ndarray:
+        """The other axis's command from its zero, (n,)."""
+        return motion.others[self.channel] - motion.zeros.get(self.channel, 0.0)
+
     def load(self, values: np.ndarray, motion: Motion, state: np.ndarray | None) -> Load:
-        other = motion.others[self.channel]
+        other = self.counted(motion)
         pushed = other * (values[0] + values[1] * other)
         if not self.plays:
             return Load(pushed=pushed)
@@ -83,7 +90,7 @@ class Coupling(Term):
     def respond(
         self, signal: np.ndarray, motion: Motion, values: np.ndarray, state: np.ndarray | None
     ) -> tuple[np.ndarray, np.ndarray]:
-        other = motion.others[self.channel]
+        other = self.counted(motion)
         return signal + other * (values[0] + values[1] * other), NO_STATE
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
@@ -104,7 +111,7 @@ class Coupling(Term):
 
     def sentence(self, values: np.ndarray, around: Surroundings) -> str:
         named = {
-            p.name: f"{value:.3g} {p.unit}"
+            p.name: f"{worded(value)} {p.unit}"
             for p, value in zip(self.parameters(around), values, strict=True)
         }
         squared = abs(values[1]) * 0.5 * around.other_span.get(self.channel, 0.0) > abs(values[0])

@@ -14,7 +14,7 @@ from pipeline.physics.pre_sliding import bristled
 from pipeline.physics.tabled import inlined, ramped, waved
 
 SWEEPS, PATIENCE = 40, 8
-PRECISE = 1e-6
+PRECISE = 2e-8  # of a radian
 LONG, BRIEF, SOFTEST = 300.0, 1e-9, 0.05
 LEAST_PULL, LEAST_SLOPE = 1e-12, 1e-3
 SAFE = 16.0
@@ -111,10 +111,11 @@ def _rested(at, start, asked, stiff, pull, tangent, bends):  # type: ignore[no-u
     """The angle at which all loads balance, and its tangent.
 
     Newton's method from `at`, held between bounds; a step ends it that is so short that the
-    equation's bend, told from the slope before at `start`, moves the angle by less than PRECISE;
+    equation's bend, told from the slope before at `start`, moves the angle by less than PRECISE
+    of a radian;
     where the joint is about to snap over, the slope tells nothing.
     """
-    contact = bends[4]
+    contact, precise = bends[4], PRECISE / bends[3]
     low, high, under, over = -NEVER, NEVER, -1.0, 1.0
     slope, yielding = tangent[0], tangent[1]
     wires, taut = 0.0, 1.0
@@ -124,7 +125,7 @@ def _rested(at, start, asked, stiff, pull, tangent, bends):  # type: ignore[no-u
         if slope != last:
             yielding = 1.0 / slope
         move = rest * yielding
-        if abs(move) < PRECISE:
+        if abs(move) < precise:
             break
         if rest > 0.0:
             high, over = at, rest
@@ -138,7 +139,7 @@ def _rested(at, start, asked, stiff, pull, tangent, bends):  # type: ignore[no-u
             continue
         elif (
             slope > LEAST_SLOPE
-            and SAFE * move * move * abs(slope - last) < PRECISE * abs(at + move - start) * slope
+            and SAFE * move * move * abs(slope - last) < precise * abs(at + move - start) * slope
         ):
             break
     return at, (slope, yielding, taut * yielding, (1.0 + taut * wires) * yielding)

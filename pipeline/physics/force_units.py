@@ -18,6 +18,7 @@ RADIAN = {
     "rad": 1.0, "mrad": 1e3, "deg": np.rad2deg(1.0), "°": np.rad2deg(1.0),
     "rev": 0.5 / np.pi, "turn": 0.5 / np.pi, "turns": 0.5 / np.pi,
 }  # fmt: skip
+QUARTER_TURN = 0.5 * np.pi
 LOWER_TORQUE = "nm"
 
 
@@ -34,6 +35,15 @@ def is_position(unit: str) -> bool:
 def is_velocity(unit: str) -> bool:
     """Whether a unit is one of velocity, of a length or an angle."""
     return unit in PER_SECOND
+
+
+def radian_in(unit: str, span: float) -> float:
+    """How many of a unit a radian has, where values in it span so much.
+
+    Of a unit that is no angle, or one of unknown size as encoder counts are, a quarter turn is
+    taken for the span: what goes by the sine of a pose then bends the same in each such unit.
+    """
+    return RADIAN.get(unit, max(span, 1e-300) / QUARTER_TURN)
 
 
 def position_unit(unit: str) -> str:

@@ -193,27 +193,27 @@ def _step(asked, pushed, softest, bends, sharpest, room, at):  # type: ignore[no
     load, steep, rest, slope = room[0], room[1], room[2], room[3]
     _loaded(at, pushed, softest, bends, load, steep)
     _given(asked, at, bends, load, steep, rest, slope)
-    kink, left = bends[7], 0
+    kink, precise, left = bends[7], PRECISE / bends[3], 0
     for t in range(at.size):
         move = rest[t] / max(slope[t], LEAST_SLOPE)
         at[t] -= move
         short = abs(move) * min(1.0, 0.5 * abs(move) * sharpest)
         passed = abs(move) * steep[t] > abs(abs(load[t]) - kink)
         rest[t] = abs(move) if passed else short
-        left += rest[t] > PRECISE
+        left += rest[t] > precise
     return left
 
 
 @inlined
 def _stepped(q, pushed, softest, bends, sharpest, room, places, out):  # type: ignore[no-untyped-def]
     """A step for all angles; how many are not there yet, and which (in `places`)."""
-    left = 0
+    left, precise = 0, PRECISE / bends[3]
     for begin in range(0, q.size, BLOCK):
         here = slice(begin, min(begin + BLOCK, q.size))
         if _step(q[here], pushed[here], softest, bends, sharpest, room, out[here]) > 0:
             for t in range(out[here].size):
                 places[left] = begin + t
-                left += room[2, t] > PRECISE
+                left += room[2, t] > precise
     return left
 
 
@@ -221,6 +221,7 @@ def _stepped(q, pushed, softest, bends, sharpest, room, places, out):  # type: i
 def _again(many, q, pushed, softest, bends, sharpest, room, places, out):  # type: ignore[no-untyped-def]
     """The same for the first so many of `places`."""
     asked, push, at, left = room[4], room[5], room[6], 0
+    precise = PRECISE / bends[3]
     for begin in range(0, many, BLOCK):
         size = min(BLOCK, many - begin)
         for i in range(size):
@@ -230,7 +231,7 @@ def _again(many, q, pushed, softest, bends, sharpest, room, places, out):  # typ
         for i in range(size):
             k = places[begin + i]
             out[k], places[left] = at[i], k
-            left += room[2, i] > PRECISE
+            left += room[2, i] > precise
     return left
 
 

@@ -26,6 +26,11 @@ class Kinetics:
         return Kinetics(self.velocity[part], self.acceleration[part], self.simulated[part])
 
 
+def zero_of(values: np.ndarray) -> float:
+    """From where values (n,) count: 0 if it is between them, else where they began."""
+    return 0.0 if np.min(values) <= 0.0 <= np.max(values) else float(values[0])
+
+
 @dataclass(frozen=True)
 class Motion:
     """A block of n samples in the order of time.
@@ -36,7 +41,8 @@ class Motion:
     time_s: (n,) when each sample was taken.
     cycle: (n,) number of the cycle, from 0.
     others: the other axes' commands by name, each (n,).
-    radian: how many angle units a radian has (1 where the angle is no angle).
+    radian: how many angle units a radian has.
+    zeros: from which value of each other command a coupling counts; 0 of those not named.
     kinetics: None unless a force is measured against the motion.
     """
 
@@ -46,6 +52,7 @@ class Motion:
     others: Mapping[str, np.ndarray] = field(default_factory=dict)
     radian: float = 180.0 / np.pi
     kinetics: Kinetics | None = None
+    zeros: Mapping[str, float] = field(default_factory=dict)
 
     def __len__(self) -> int:
         return len(self.drive)

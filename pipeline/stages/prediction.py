@@ -56,6 +56,7 @@ def motion_for(
         cycle=recording.values("cycle").astype(np.int64),
         others=commands,
         radian=model.radian,
+        zeros=model.zeros,
     )
 
 

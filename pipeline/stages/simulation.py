@@ -16,6 +16,7 @@ from pipeline.discrepancy.problem.problem import held_out_rows
 from pipeline.errors import LoopgapError, UsageError, refusal
 from pipeline.physics.assembly import pieces_of
 from pipeline.physics.force_motion import position_of
+from pipeline.physics.force_units import RADIAN
 from pipeline.physics.kinematics import CubicCurve
 from pipeline.physics.mechanism import Mechanism
 from pipeline.physics.motion import Motion
@@ -166,7 +167,7 @@ def _mechanism_answer(
         time_s=recording.values("time_s"),
         cycle=recording.values("cycle").astype(int),
         others=others,
-        radian=180.0 / np.pi if unit == "deg" else 1.0,
+        radian=RADIAN.get(unit, 1.0),
     )
     around = _surroundings(axis, recording, motion, unit)
     mechanism = Mechanism(CubicCurve(axis.gain, axis.cubic), pieces_of(axis.terms, around))

@@ -90,6 +90,13 @@ def test_a_measurement_of_which_nothing_was_measured_or_simulated_is_refused(cha
         diagnosed(empty)
 
 
+def test_a_sensor_and_a_simulation_that_both_stand_still_are_refused():
+    recording = recorded({})
+    still = changed(recording, **{ANGLE: 1.0, SIMULATED: 1.0})
+    with pytest.raises(DiagnosisError, match="its simulation moves; found 1 in all 720 rows"):
+        diagnosed(still)
+
+
 @pytest.mark.parametrize(("scale", "found"), [(1e160, "numbers up to"), (1e-14, "differ by")])
 @pytest.mark.parametrize("channel", [ANGLE, SIMULATED, "pitch_command_deg"])
 def test_numbers_that_can_not_be_reckoned_with_are_refused(channel, scale, found):

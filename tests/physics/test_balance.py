@@ -1,5 +1,7 @@
 """The balance at the joint against what can be worked out by hand."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.optimize import brentq
@@ -73,6 +75,19 @@ def test_an_end_stop_holds():
     out = answer(line(-60.0, 60.0, 601), Piece(EndStop("lower"), np.array([-30.0, 0.1, 0.01])))
     assert out.min() > -31.0
     assert out[-1] == pytest.approx(60.0, abs=1e-3)
+
+
+@pytest.mark.parametrize("sliding", [False, True])
+def test_a_joint_is_found_as_closely_in_every_unit(sliding):
+    size, motion = 2.0**-20, triangle(2)
+    small = replace(motion, drive=size * motion.drive, radian=size * motion.radian)
+    stop = np.array([20.0, 0.5, 0.004])
+    friction = np.array([3.0, 2.0, 0.7])
+    rubbing = [Piece(Friction(), friction)] * sliding
+    rubbing_small = [Piece(Friction(), friction * [size, size, 1.0])] * sliding
+    out = answer(motion, Piece(EndStop("upper"), stop), *rubbing)
+    same = answer(small, Piece(EndStop("upper"), stop * [size, size, 1.0]), *rubbing_small)
+    np.testing.assert_allclose(same / size, out, atol=1e-9)
 
 
 def test_slack_stands_still_over_its_width():

@@ -20,14 +20,28 @@ FOLLOWS = 0.7  # share of the variance from which on a line is a gain
 class Nuisances:
     """measurement = gain * seen + offset + smooth error, see `Mechanism.trace` and `SmoothError`.
 
-    Gain, offset and the smooth error's weights have Gaussian priors of `deviations` about 1, 0 and
-    0; two deviations stand for no smooth error. beside: other commands that it may depend on.
+    Gain, the offset that it leaves at `zero`, and the smooth error's weights have Gaussian priors
+    of `deviations` about 1, 0 and 0; two deviations stand for no smooth error. zero: from
+    which simulated angle they count, see `zero_of`: far from there a gain makes an offset of its
+    own. beside: other commands that the smooth error may depend on.
     """
 
     middle: float
     half_range: float
     deviations: np.ndarray
     beside: tuple[Beside, ...] = ()
+    zero: float = 0.0
+
+    @cached_property
+    def precision(self) -> np.ndarray:
+        """Of the priors of gain, offset and weights, (m, m)."""
+        seen = np.eye(len(self.deviations))
+        seen[1, 0] = self.zero
+        return np.asarray(seen.T / self.deviations**2 @ seen)
+
+    def offset(self, nuisance: np.ndarray) -> float:
+        """The offset at `zero` that nuisances (m,) amount to."""
+        return float(nuisance[1] + (nuisance[0] - 1.0) * self.zero)
 
     @cached_property
     def expected(self) -> np.ndarray:

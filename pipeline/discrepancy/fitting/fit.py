@@ -17,6 +17,7 @@ from pipeline.discrepancy.fitting.calibration import (
 from pipeline.discrepancy.noise.noise import NoiseModel, whitened
 from pipeline.discrepancy.problem.problem import Problem
 from pipeline.physics.mechanism import Mechanism, Piece, Trace
+from pipeline.physics.motion import zero_of
 from pipeline.physics.term import Parameter, Term
 
 ITERATIONS = 12
@@ -25,6 +26,7 @@ TOLERANCE = 0.1
 TRUSTED = 0.5
 PRIOR_WIDTH = 10.0
 SHARE_OF_VALUE = 0.02
+NOTHING = 1e-12  # squared deviations over all of a parameter's range
 
 
 @dataclass(frozen=True)
@@ -58,10 +60,10 @@ class Ground:
             self._boxes[key] = box_of(term.parameters(self.problem.around))
         return self._boxes[key]
 
-    @cached_property
+    @property
     def precision(self) -> np.ndarray:
-        """Of the priors of gain, offset and bends, (m,)."""
-        return np.asarray(1.0 / self.nuisances.deviations**2)
+        """Of the priors of gain, offset and bends, (m, m)."""
+        return self.nuisances.precision
 
     @cached_property
     def gains(self) -> np.ndarray:
@@ -118,9 +120,11 @@ def ground_of(problem: Problem, noise: NoiseModel, used: np.ndarray) -> Ground:
     gain = gain_between(problem.simulated[used], problem.measured[used])
     if problem.derivatives is None and absurd_gain(gain, tolerance):
         tolerance = replace(tolerance, gain=abs(gain - 1.0))
-    return Ground(
-        problem, noise, used, nuisances_of(tolerance, around.angle_low, around.angle_span)
-    )
+    nuisances = nuisances_of(tolerance, around.angle_low, around.angle_span)
+    if problem.derivatives is None:
+        simulated = problem.simulated[np.isfinite(problem.simulated)]
+        nuisances = replace(nuisances, zero=zero_of(simulated))
+    return Ground(problem, noise, used, nuisances)
 
 
 @dataclass(frozen=True)
@@ -222,11 +226,10 @@ def calibrated(ground: Ground, pieces: Sequence[Piece], trace: Trace) -> Fit:
     data = ground.data
     if trace.added is not None:
         data = data - ground.whiten(trace.added[:, None])[:, 0]
-    normal = columns.T @ columns
-    normal.flat[:: len(expected) + 1] += precision
-    nuisance = np.linalg.solve(normal, columns.T @ data + precision * expected)
-    innovations = data - columns @ nuisance
-    cost = float(innovations @ innovations + precision @ (nuisance - expected) ** 2)
+    normal = columns.T @ columns + precision
+    nuisance = np.linalg.solve(normal, columns.T @ data + precision @ expected)
+    innovations, off = data - columns @ nuisance, nuisance - expected
+    cost = float(innovations @ innovations + off @ precision @ off)
     cost += 2.0 * ground.log_scale + prior_cost(ground, pieces)
     return Fit(ground, tuple(pieces), nuisance, trace, cost, innovations, columns)
 
@@ -307,7 +310,7 @@ def improve(fit: Fit, iterations: int = ITERATIONS, begun: Fit | None = None) ->
         normal = slopes.T @ slopes
         normal.flat[:: len(values) + 1] += precision
         stuck = ((values <= low) & (gradient < 0.0)) | ((values >= high) & (gradient > 0.0))
-        stuck |= normal.diagonal() <= 1e-12
+        stuck |= normal.diagonal() * (high - low) ** 2 <= NOTHING
         better, foretold, damping = _stepped(fit, normal, gradient, ~stuck, low, high, damping)
         if better is None:
             if known:
@@ -364,8 +367,7 @@ def _corrected(slopes: np.ndarray, fit: Fit, better: Fit, sizes: np.ndarray) -> 
 def _beside_nuisances(fit: Fit, slopes: np.ndarray) -> np.ndarray:
     """Slopes (count, free) less what gain, offset and bends take over of them."""
     columns = fit.calibrating
-    normal = columns.T @ columns
-    normal.flat[:: len(normal) + 1] += fit.ground.precision
+    normal = columns.T @ columns + fit.ground.precision
     return np.asarray(slopes - columns @ np.linalg.solve(normal, columns.T @ slopes))
 
 

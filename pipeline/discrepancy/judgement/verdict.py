@@ -21,7 +21,8 @@ ODDS = 2.0
 def intolerable(choice: Choice) -> bool:
     """Whether gain or offset is off by more than FAR_OFF of its declared tolerances."""
     tolerance = choice.fit.ground.problem.tolerance
-    gain, offset = np.abs(choice.fit.nuisance[:2] - [1.0, 0.0])
+    gain = abs(choice.fit.nuisance[0] - 1.0)
+    offset = abs(choice.fit.ground.nuisances.offset(choice.fit.nuisance))
     return bool(gain > FAR_OFF * tolerance.gain or offset > FAR_OFF * tolerance.offset)
 
 

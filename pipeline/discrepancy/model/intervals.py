@@ -1,6 +1,7 @@
 """Intervals: how far each parameter may move before the fit gets worse."""
 
 import numpy as np
+from scipy.linalg import block_diag
 
 from pipeline.discrepancy.fitting.fit import Fit, parameters_of
 from pipeline.discrepancy.fitting.moments import moments, moments_of, moved
@@ -12,7 +13,6 @@ from pipeline.recording import branch_of
 
 DEVIATIONS = 1.96
 FALL = 3.84
-WIDEST = 1e12
 PATIENCE = 6
 NEGLIGIBLE = 0.01
 STRETCHES = 12
@@ -42,16 +42,15 @@ def bounded(covariance: np.ndarray, fit: Fit) -> np.ndarray:
 
 
 def precisions(fit: Fit) -> np.ndarray:
-    """Of the priors of nuisances and then all term parameters, (m,)."""
-    return np.concatenate(
-        [fit.ground.precision, *(fit.ground.box(piece.term).precision for piece in fit.pieces)]
-    )
+    """Of the priors of nuisances and then all term parameters, (m, m)."""
+    own = [np.diag(fit.ground.box(piece.term).precision) for piece in fit.pieces]
+    return np.asarray(block_diag(fit.ground.precision, *own))
 
 
 def inverted(slopes: np.ndarray, precision: np.ndarray) -> np.ndarray:
-    """Covariance (m, m) for whitened slopes (k, m) and priors (m,)."""
-    normal = slopes.T @ slopes + np.diag(precision)
-    scale = np.sqrt(np.maximum(np.diag(normal), 1.0 / WIDEST))
+    """Covariance (m, m) for whitened slopes (k, m) and the precision of priors (m, m)."""
+    normal = slopes.T @ slopes + precision
+    scale = np.sqrt(np.maximum(np.diag(normal), 1e-300))
     inverse = np.linalg.pinv(normal / np.outer(scale, scale), rcond=1e-10, hermitian=True)
     return np.asarray(inverse / np.outer(scale, scale))
 
@@ -89,7 +88,7 @@ def repeated_misfit(fit: Fit) -> np.ndarray:
     meat = scores.T @ scores * count / max(count - slopes.shape[1], 1)
     precision = precisions(fit)
     inverse = inverted(slopes, precision)
-    return np.asarray(inverse @ (meat + np.diag(precision)) @ inverse)
+    return np.asarray(inverse @ (meat + precision) @ inverse)
 
 
 def stated(fit: Fit, piece: Piece) -> np.ndarray:

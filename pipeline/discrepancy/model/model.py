@@ -1,7 +1,7 @@
 """The corrected simulation: a fitted mechanism with its noise and how sure it is."""
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -54,6 +54,7 @@ class CorrectedModel:
     `lasted_s` are over, held-out rows having been fitted too; zero: where it stood then. counted:
     the step of the encoder that counted the drive, 0.0 of another. rough: the noise of a drive that
     was measured, 0.0 of another. end: where the recording ended, and as what it left the mechanism.
+    zeros: see `Motion`.
     """
 
     measurement: str
@@ -74,6 +75,7 @@ class CorrectedModel:
     counted: float = 0.0
     rough: float = 0.0
     end: End | None = None
+    zeros: Mapping[str, float] = field(default_factory=dict)
 
     def predict(self, motion: Motion) -> tuple[np.ndarray, np.ndarray]:
         """Expected measurement and its standard deviation, each (n,), from the motion alone.
@@ -169,6 +171,7 @@ def as_json(model: CorrectedModel) -> dict[str, Any]:
         "drive": model.drive,
         "static": model.static,
         "radian": model.radian,
+        "zeros": dict(model.zeros),
         "force": model.force,
         "simulated": model.simulated,
         "delay_s": model.delay_s,
@@ -232,6 +235,7 @@ def from_json(entry: Mapping[str, Any], others: list[str]) -> CorrectedModel:
             np.inf if entry.get("lasted_s") is None else entry["lasted_s"],
             entry.get("counted", 0.0), entry.get("rough", 0.0),
             None if entry.get("end") is None else end_from_json(entry["end"]),
+            entry.get("zeros", {}),
         )  # fmt: skip
     except (KeyError, TypeError, ValueError) as problem:
         raise ModelError(

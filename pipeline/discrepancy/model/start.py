@@ -101,6 +101,7 @@ def _led(mechanism: Mechanism, motion: Motion, known: End, begin: float) -> Stat
         cycle=np.full(rows, motion.cycle[0]),
         others={name: values[0] * still for name, values in motion.others.items()},
         radian=motion.radian,
+        zeros=motion.zeros,
         kinetics=_steady(motion.kinetics, (to - begin) / rows / dwell_s, still),
     )
     after = mechanism.respond(before)[1]

@@ -15,9 +15,10 @@ from pipeline.discrepancy.problem.rows import Averaged, Picked
 from pipeline.discrepancy.problem.stale import NONE_STALE, StaleSamples, hung_samples, stale_samples
 from pipeline.errors import LoopgapError, refusal
 from pipeline.physics.differentiation import Derivatives
+from pipeline.physics.force_units import radian_in
 from pipeline.physics.kinematics import Curve, IdentityCurve, sampled_curve, straightened
 from pipeline.physics.mechanism import Mechanism, Piece, Trace
-from pipeline.physics.motion import Motion
+from pipeline.physics.motion import Motion, zero_of
 from pipeline.physics.term import Surroundings
 from pipeline.recording import Recording
 
@@ -134,6 +135,7 @@ def pose_problem(
     measured = np.where(stale.rows | stale.hung, np.nan, came)
     known = np.isfinite(measured) & np.isfinite(simulated)
     refuse_unknown(measurement, known)
+    refuse_still(measurement, measured[known], simulated[known])
     motion, curve, drive, static = driven_by(recording, measurement, simulated)
     heldout = held_out_rows(config.heldout, motion, known)
     train = known & ~heldout
@@ -198,6 +200,19 @@ def refuse_unknown(measurement: str, known: np.ndarray) -> None:
         )
 
 
+def refuse_still(measurement: str, measured: np.ndarray, simulated: np.ndarray) -> None:
+    """Raise DiagnosisError where neither measurement nor simulation, (n,) each, ever moves."""
+    if np.ptp(measured) == 0.0 and np.ptp(simulated) == 0.0:
+        raise DiagnosisError(
+            refusal(
+                f"measurement {measurement!r}",
+                "samples in which it or its simulation moves",
+                f"{measured[0]:g} in all {len(measured)} rows, simulated as {simulated[0]:g}",
+                "Record a motion, or check that the sensor was on.",
+            )
+        )
+
+
 def held_out_rows(config: HeldoutConfig, motion: Motion, known: np.ndarray) -> np.ndarray:
     """Rows (n,) that are held out, of those that are known (n,).
 
@@ -253,7 +268,8 @@ def driven_by(
         time_s=recording.values("time_s"),
         cycle=recording.values("cycle").astype(np.int64),
         others=others,
-        radian=180.0 / np.pi if unit == "deg" else 1.0,
+        radian=radian_in(unit, float(np.ptp(simulated[known])) if known.any() else 0.0),
+        zeros={n: zero_of(u) for n, u in others.items()},
     )
     return motion, curve, drive, static
 

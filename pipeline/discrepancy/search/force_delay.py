@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+from scipy.linalg import block_diag
 
 from pipeline.discrepancy.fitting.fit import Fit, evaluate, improve
 from pipeline.discrepancy.model.intervals import DEVIATIONS, inverted, precisions
@@ -40,7 +41,7 @@ def delay_of(problem: Problem, fit: Fit) -> Delay:
         ahead, behind = (moved(fit, samples + way * APART).predicted for way in (1.0, -1.0))
         slope = fit.ground.whiten(((ahead - behind) / (2.0 * APART))[:, None])
         columns = np.hstack([fit.calibrating, fit.slopes, slope])
-        variance = float(inverted(columns, np.append(precisions(fit), PRIOR))[-1, -1])
+        variance = float(inverted(columns, block_diag(precisions(fit), PRIOR))[-1, -1])
         step = variance * float(slope[:, 0] @ fit.innovations - PRIOR * samples)
         before, samples = samples, float(np.clip(samples + step, -MOST, MOST))
         if abs(samples - before) < STANDING:
