@@ -10,6 +10,7 @@ from pipeline.discrepancy.fitting.fit import Fit, evaluate, parameters_of
 from pipeline.discrepancy.model.intervals import covariance_of
 from pipeline.discrepancy.problem.problem import Problem
 from pipeline.discrepancy.search.choose import Choice
+from pipeline.physics.backlash import Backlash
 from pipeline.physics.catalogue import terms
 from pipeline.physics.compliance import Compliance
 from pipeline.physics.contact import Contact
@@ -66,7 +67,8 @@ def standing(name: str, best: Choice, choices: list[Choice], problem: Problem) -
     """What the other choices say of a name of the best one; one in disguise may be that other.
 
     Those that are the best one in disguise say nothing, but for slack that may be what bends, and
-    for friction sharper than a step that fits better than the play it looks like.
+    for friction sharper than a step: it may be what looks like play, and ties with it if it fits
+    better.
     """
     distinct = by_names(choices)
     weights = weights_of(distinct)
@@ -75,15 +77,20 @@ def standing(name: str, best: Choice, choices: list[Choice], problem: Problem) -
     probability = float(sum(w for w, c in likely if name in shown(c)))
     hidden = DISGUISES[name] if name not in plain(best) else name
     gaps = {} if hidden in names(best) else {hidden: 0.0}
+    sharper: list[str] = []
     for choice in distinct:
         other = names(choice) - names(best)
         swapped = name not in names(choice) and len(names(choice)) == len(names(best))
-        finer = other == {Friction.name} and choice.score < best.score
-        if swapped and (name in BENDS or finer or as_itself(choice, best)):
+        gap = choice.score - best.score
+        if swapped and (name in BENDS or as_itself(choice, best)):
             for one in other:
-                gaps.setdefault(one, choice.score - best.score)
+                gaps.setdefault(one, gap)
+        elif swapped and name == Backlash.name and other == {Friction.name} and gap < TIE:
+            sharper = [Friction.name]
+            gaps |= {Friction.name: gap} if gap < 0.0 else {}
     tied = [n for n, gap in gaps.items() if gap < TIE]
-    known = [n for n in equivalents(name, problem) if n not in names(best) | set(tied)]
+    like = dict.fromkeys([*sharper, *equivalents(name, problem)])
+    known = [n for n in like if n not in names(best) | set(tied)]
     unsettled = bool(tied) or bool(name in BENDS and known)
     return Standing(probability, tuple(sorted(tied) + known), unsettled)
 
