@@ -48,7 +48,8 @@ class Surroundings:
     """What a term must know of a recording to bound and start its parameters.
 
     drive_span, angle_span: range of the drive [drive unit] and of the simulated angle [angle unit].
-    drive_low, angle_low: their lower ends. step: median step of the drive [drive unit].
+    drive_low, angle_low: their lower ends. step: median step of the drive [drive unit]. spacing:
+    between neighbouring positions where it was, no more than a step [drive unit].
     dwell_s: median time between samples. start_s, end_s: first and last time. cycles: how many.
     other_span, other_unit: range and unit of each other command. top_speed, top_acceleration: of
     the drive where a force is measured against it [drive unit/s, /s^2]; the angle is then the
@@ -61,6 +62,7 @@ class Surroundings:
     angle_span: float = 80.0
     angle_low: float = -40.0
     step: float = 1.2
+    spacing: float = 1.2
     dwell_s: float = 3.0
     start_s: float = 0.0
     end_s: float = 5400.0

@@ -58,7 +58,7 @@ class TransmissionRipple(Term):
         span, unit = around.drive_span, around.drive_unit
         own: tuple[Parameter, ...] = (
             Parameter("amplitude", unit, 0.0, 0.3 * span, 0.02 * span, 0.01 * span),
-            Parameter("period", unit, 2.0 * around.step, 0.75 * span, 0.3 * span, 0.0),
+            Parameter("period", unit, 2.0 * around.spacing, 0.75 * span, 0.3 * span, 0.0),
             Parameter("phase", "rad", -4.0 * np.pi, 4.0 * np.pi, 0.0, 0.0),
         )
         for times in self.overtones:
@@ -87,7 +87,7 @@ class TransmissionRipple(Term):
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
         span, amplitude = around.drive_span, 0.002 * around.drive_span
-        highest = min(0.25 / max(around.step, 1e-9), 30.0 / span)
+        highest = min(0.25 / max(around.spacing, 1e-9), 30.0 / span)
         waves = np.arange(1.4 / span, highest, 0.5 / span)
         phases = np.arange(4) * np.pi / 4.0
         rows = [[amplitude, 1.0 / f, p] for f in waves for p in phases]
@@ -110,7 +110,7 @@ class TransmissionRipple(Term):
 
     def excited(self, motion: Motion, around: Surroundings) -> bool:
         """Where a shaft drives, far enough; a force has no teeth."""
-        return around.drive_unit not in FORCES and around.drive_span > 8.0 * around.step > 0.0
+        return around.drive_unit not in FORCES and around.drive_span > 8.0 * around.spacing > 0.0
 
     def sentence(self, values: np.ndarray, around: Surroundings) -> str:
         """Of several waves the largest one is told."""

@@ -12,6 +12,7 @@ from pipeline.discrepancy.problem.fitted import tolerance_of_fit
 from pipeline.discrepancy.problem.line import line_in_a_command, own_commands
 from pipeline.discrepancy.problem.rough import unroughened
 from pipeline.discrepancy.problem.rows import Averaged, Picked
+from pipeline.discrepancy.problem.spacing import spacing_of
 from pipeline.discrepancy.problem.stale import NONE_STALE, StaleSamples, hung_samples, stale_samples
 from pipeline.errors import LoopgapError, refusal
 from pipeline.physics.differentiation import Derivatives
@@ -329,6 +330,7 @@ def surroundings_of(
 ) -> Surroundings:
     """The sizes that bound the terms' parameters; as measured where the simulation stands still."""
     steps = np.abs(np.diff(motion.drive))
+    step = float(np.median(steps[steps > 0])) if np.any(steps > 0) else 0.0
     unit = recording.channel(measurement).unit
     known = simulated[np.isfinite(simulated)]
     span = float(np.ptp(known)) or float(np.ptp(recording.values(measurement)[train]))
@@ -337,7 +339,8 @@ def surroundings_of(
         drive_low=float(np.min(motion.drive)),
         angle_span=max(span, 1e-9),
         angle_low=float(np.min(known)),
-        step=float(np.median(steps[steps > 0])) if np.any(steps > 0) else 0.0,
+        step=step,
+        spacing=spacing_of(motion.drive, step),
         dwell_s=float(np.median(np.diff(motion.time_s))),
         start_s=float(motion.time_s[0]),
         end_s=float(motion.time_s[-1]),

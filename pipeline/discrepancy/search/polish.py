@@ -81,8 +81,14 @@ def _polished(search: Search, choices: list[Choice]) -> list[Choice]:
 
 
 def furthered(search: Search, choice: Choice) -> list[Choice]:
-    """The choice with each of the most promising further terms: the beam took it another way."""
-    return extended(search, choice) if len(choice.fit.pieces) < MOST_TERMS else []
+    """The choice with each of the most promising further terms: the beam took it another way.
+
+    Only where cycles repeat: elsewhere nothing but the terms themselves says what is noise, and
+    a further one fits some of it.
+    """
+    if search.family.prior.repeats == 0 or len(choice.fit.pieces) >= MOST_TERMS:
+        return []
+    return extended(search, choice)
 
 
 def thinned(search: Search, choice: Choice) -> Choice:
