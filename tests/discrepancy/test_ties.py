@@ -17,6 +17,7 @@ from pipeline.discrepancy.search.ties import (
     standing,
     undisguised,
     variance_given,
+    where_acting,
 )
 from pipeline.physics.catalogue import term
 from pipeline.physics.mechanism import Piece
@@ -103,3 +104,11 @@ def test_a_drive_that_goes_round_its_turns_slowly_shows_more_than_its_usual_step
     assert first_step(even) == pytest.approx(1.25)
     assert first_step(wave) < 0.1 < np.median(np.abs(np.diff(wave)))
     assert first_step(np.zeros(9)) == 0.0
+
+
+def test_a_step_is_one_of_the_drive_before_the_curve_and_one_of_the_angle_behind(ground):
+    fit, around = evaluate(ground, []), ground.problem.around
+    assert where_acting(2.0, fit, term("friction", "driven")) == 2.0
+    behind = where_acting(2.0, fit, term("friction"))
+    assert behind == pytest.approx(2.0 * around.angle_span / around.drive_span)
+    assert behind < 1.8

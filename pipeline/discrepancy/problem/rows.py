@@ -108,9 +108,9 @@ def turned_between(motion: Motion, rows: np.ndarray, least: float) -> np.ndarray
     """Samples between picked rows (indices, rising) that a memory of travel needs, as indices.
 
     Where one stands out beyond the rows before and after it by more than `least` of the range of a
-    command: the farthest to each side. Of play and of friction that is enough: what turns between
-    the extremes leaves no trace after them (the wiping-out property, Mayergoyz, Phys. Rev. Lett. 56
-    (1986) 1518).
+    command: the farthest to each side. What turns before an extreme leaves no trace after it (the
+    wiping-out property, Mayergoyz, Phys. Rev. Lett. 56 (1986) 1518); smaller turns after the last
+    one do, and are left out.
     """
     found: set[int] = set()
     for signal in (motion.drive, *motion.others.values()):

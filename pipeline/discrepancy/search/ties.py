@@ -16,7 +16,7 @@ from pipeline.physics.compliance import Compliance
 from pipeline.physics.contact import Contact
 from pipeline.physics.friction import Friction
 from pipeline.physics.mechanism import Piece
-from pipeline.physics.term import Surroundings
+from pipeline.physics.term import Term
 from pipeline.recording import reversals_of
 
 TIE = 9.0
@@ -131,8 +131,7 @@ def plainly(fit: Fit) -> list[str]:
             hidden = sharp(fit, i)
         elif isinstance(piece.term, Compliance) and piece.term.form not in ("joint", "toe"):
             reach, stretch, stiffness = piece.values[1:4]
-            around = fit.ground.problem.around
-            step = around.step * slope_of(around)
+            step = where_acting(fit.ground.problem.around.step, fit, piece.term)
             hidden = bool(reach * stiffness / (stiffness + stretch) < step)
         found.append(DISGUISES[name] if hidden else name)
         k += len(piece.values)
@@ -162,8 +161,8 @@ def sharp(fit: Fit, place: int) -> bool:
     A step is what a quarter of the turns begin with no more than. Or sharper than two, of which one
     sample sees the inside, where they may be as sharp as can be.
     """
-    piece, around = fit.pieces[place], fit.ground.problem.around
-    step = first_step(fit.ground.problem.motion.drive) * slope_of(around)
+    piece = fit.pieces[place]
+    step = where_acting(first_step(fit.ground.problem.motion.drive), fit, piece.term)
     parameters = parameters_of(fit.ground, piece.term)
     reach = [p.name for p in parameters].index("reach")
 
@@ -193,9 +192,11 @@ def first_step(drive: np.ndarray) -> float:
     return float(np.quantile(steps[moves[first]], SMALL)) if len(first) else 0.0
 
 
-def slope_of(around: Surroundings) -> float:
-    """The angle over the drive [angle unit/drive unit]."""
-    return around.angle_span / max(around.drive_span, 1e-300)
+def where_acting(step: float, fit: Fit, term: Term) -> float:
+    """A step of the drive where a term acts, before the nominal curve or behind it."""
+    around = fit.ground.problem.around
+    slope = around.angle_span / max(around.drive_span, 1e-300)
+    return step if term.before_curve else step * slope
 
 
 def names(choice: Choice) -> frozenset[str]:
