@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from pipeline.config import DiagnosisConfig
-from pipeline.discrepancy.fitting.fit import Ground, evaluate, ground_of
+from pipeline.discrepancy.fitting.fit import Ground, evaluate, ground_of, improve
 from pipeline.discrepancy.model.intervals import covariance_of
 from pipeline.discrepancy.noise.noise import NoiseModel
 from pipeline.discrepancy.problem.problem import pose_problem
@@ -88,7 +88,7 @@ def test_a_name_is_told_as_what_it_hides_only_where_that_explains_as_well(ground
     assert undisguised([growing, replace(plain_play, score=60.0)]) is growing
 
 
-@pytest.mark.parametrize(("score", "said"), [(-3.0, True), (3.0, True), (12.0, False)])
+@pytest.mark.parametrize(("score", "said"), [(-3.0, True), (12.0, True), (16.0, False)])
 def test_friction_sharper_than_a_step_may_be_what_looks_like_play(ground, score, said):
     play = chosen(ground, 0.0, backlash=[2.0])
     finer = chosen(ground, score, friction=[1.4, 0.08, 0.0])
@@ -96,6 +96,18 @@ def test_friction_sharper_than_a_step_may_be_what_looks_like_play(ground, score,
     found = standing("backlash", play, [play, finer], ground.problem)
     assert ("friction" in found.alternatives) == said
     assert found.tied == (score < 0.0)
+
+
+@pytest.mark.parametrize(("reach", "name"), [(0.1, "backlash"), (0.9, "friction")])
+def test_corners_within_a_step_are_sharp_unless_the_data_show_them_rounded(reach, name):
+    recording = recorded({"friction": {"width": 2.0, "reach": reach, "spread": 0.0}}, noise=0.05)
+    simulated = recording.values("pitch_angle_sim_deg")
+    problem = pose_problem(DiagnosisConfig(), recording, "pitch_angle_deg", simulated)
+    seen = ground_of(problem, NoiseModel(0.05, 0.0, 0.0), problem.train)
+    fit = improve(evaluate(seen, [Piece(term("friction"), np.array([2.0, reach, 0.0]))]))
+    step = where_acting(first_step(problem.motion.drive), fit, term("friction"))
+    assert fit.pieces[0].values[1] < step
+    assert plainly(fit) == [name]
 
 
 def test_a_drive_that_goes_round_its_turns_slowly_shows_more_than_its_usual_step():

@@ -67,8 +67,8 @@ def standing(name: str, best: Choice, choices: list[Choice], problem: Problem) -
     """What the other choices say of a name of the best one; one in disguise may be that other.
 
     Those that are the best one in disguise say nothing, but for slack that may be what bends, and
-    for friction sharper than a step: it may be what looks like play, and ties with it if it fits
-    better.
+    for friction sharper than a step: it may be what looks like play, though charged for parameters
+    that tell nothing there, and ties with it if it fits better.
     """
     distinct = by_names(choices)
     weights = weights_of(distinct)
@@ -85,7 +85,7 @@ def standing(name: str, best: Choice, choices: list[Choice], problem: Problem) -
         if swapped and (name in BENDS or as_itself(choice, best)):
             for one in other:
                 gaps.setdefault(one, gap)
-        elif swapped and name == Backlash.name and other == {Friction.name} and gap < TIE:
+        elif swapped and name == Backlash.name and other == {Friction.name} and gap < RIVAL_GAP:
             sharper = [Friction.name]
             gaps |= {Friction.name: gap} if gap < 0.0 else {}
     tied = [n for n, gap in gaps.items() if gap < TIE]
@@ -159,23 +159,24 @@ def sharp(fit: Fit, place: int) -> bool:
     """Whether the corners of a friction (the fit's piece there) are surely sharper than a step.
 
     A step is what a quarter of the turns begin with no more than. Or sharper than two, of which one
-    sample sees the inside, where they may be as sharp as can be.
+    sample sees the inside, where they may be as sharp as can be. But turns with finer steps may
+    show that corners within a step are rounded.
     """
     piece = fit.pieces[place]
     step = where_acting(first_step(fit.ground.problem.motion.drive), fit, piece.term)
     parameters = parameters_of(fit.ground, piece.term)
     reach = [p.name for p in parameters].index("reach")
 
-    def refuted(other: float) -> bool:
+    def costs(other: float) -> float:
         values = piece.values.copy()
         values[reach] = other
         pieces = (*fit.pieces[:place], Piece(piece.term, values), *fit.pieces[place + 1 :])
-        return evaluate(fit.ground, pieces).cost > fit.cost + SURE**2
+        return evaluate(fit.ground, pieces).cost - fit.cost
 
-    if 2.0 * step <= piece.values[reach] or not refuted(2.0 * step):
+    if 2.0 * step <= piece.values[reach] or costs(2.0 * step) <= SURE**2:
         return False
-    within = step > piece.values[reach] and refuted(step)
-    return within or not refuted(parameters[reach].low)
+    within = step > piece.values[reach] and costs(step) > SURE**2
+    return costs(parameters[reach].low) <= (TIE if within else SURE**2)
 
 
 def first_step(drive: np.ndarray) -> float:
