@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, cast
 import numpy as np
 
 from pipeline.physics.equilibrium import NEVER, balance
-from pipeline.physics.kinematics import Curve
+from pipeline.physics.kinematics import Curve, SampledCurve
 from pipeline.physics.memoryless import FEWEST, crept, settled
 from pipeline.physics.motion import Motion
 from pipeline.physics.tabled import FAR
@@ -221,6 +221,8 @@ def taken_up(loose: Loose, drive: np.ndarray, curve: Curve) -> np.ndarray:
     mean slope.
     """
     half, _, _, middle, _ = loose
+    if isinstance(curve, SampledCurve):
+        return curve.spared(drive, middle, half)
     lost = np.minimum(np.maximum(drive - middle, -half), half)
     return curve(drive - lost) + curve.slope * lost - curve(drive)
 

@@ -47,18 +47,32 @@ class IdentityCurve:
 
 
 @njit(cache=True)
+def _at(place, angle, low_slope, high_slope):  # type: ignore[no-untyped-def]
+    last = angle.size - 1
+    if place <= 0.0:
+        return angle[0] + place * low_slope
+    if place >= last:
+        return angle[last] + (place - last) * high_slope
+    k = int(place)
+    return angle[k] + (place - k) * (angle[k + 1] - angle[k])
+
+
+@njit(cache=True)
 def _between(drive, first, spacing, angle, low_slope, high_slope):  # type: ignore[no-untyped-def]
     out = np.empty(drive.size)
-    last = angle.size - 1
     for i in range(drive.size):
-        place = (drive[i] - first) / spacing
-        if place <= 0.0:
-            out[i] = angle[0] + place * low_slope
-        elif place >= last:
-            out[i] = angle[last] + (place - last) * high_slope
-        else:
-            k = int(place)
-            out[i] = angle[k] + (place - k) * (angle[k + 1] - angle[k])
+        out[i] = _at((drive[i] - first) / spacing, angle, low_slope, high_slope)
+    return out
+
+
+@njit(cache=True)
+def _spared(drive, middle, half, slope, first, spacing, angle, low_slope, high_slope):  # type: ignore[no-untyped-def]
+    out = np.empty(drive.size)
+    for i in range(drive.size):
+        lost = min(max(drive[i] - middle, -half), half)
+        left = _at((drive[i] - lost - first) / spacing, angle, low_slope, high_slope)
+        whole = _at((drive[i] - first) / spacing, angle, low_slope, high_slope)
+        out[i] = left + slope * lost - whole
     return out
 
 
@@ -87,6 +101,14 @@ class SampledCurve:
     def __call__(self, drive: np.ndarray) -> np.ndarray:
         drive = np.ascontiguousarray(drive, dtype=float)
         return _between(drive, self.first, self.spacing, self.angle, *self._beyond)
+
+    def spared(self, drive: np.ndarray, middle: float, half: float) -> np.ndarray:
+        """How much more a drive asks for than its line of mean slope once it is past a dead way.
+
+        That way is lost from `middle` on, up to `half` [drive unit] either way; (n,).
+        """
+        drive, knots = np.ascontiguousarray(drive, dtype=float), (self.first, self.spacing)
+        return _spared(drive, middle, half, self.slope, *knots, self.angle, *self._beyond)
 
 
 def sampled_curve(drive: np.ndarray, angle: np.ndarray, knots: int = 401) -> SampledCurve:

@@ -14,6 +14,7 @@ from pipeline.discrepancy.fitting.calibration import (
     gain_between,
     nuisances_of,
 )
+from pipeline.discrepancy.fitting.normal import regressed, solved, stepped
 from pipeline.discrepancy.noise.noise import NoiseModel, whitened
 from pipeline.discrepancy.problem.problem import Problem
 from pipeline.physics.mechanism import Mechanism, Piece, Trace
@@ -25,13 +26,13 @@ DAMPINGS = 6
 TOLERANCE = 0.1
 TRUSTED = 0.5
 PRIOR_WIDTH = 10.0
+FIRST_DAMPING = 1e-2
 SHARE_OF_VALUE = 0.02
-NOTHING = 1e-12  # squared deviations over all of a parameter's range
 
 
 @dataclass(frozen=True)
 class Box:
-    """A term's parameters with their bounds and weak Gaussian priors, (p,) each."""
+    """The parameters of some terms with their bounds and weak Gaussian priors, (p,) each."""
 
     parameters: tuple[Parameter, ...]
     low: np.ndarray
@@ -51,13 +52,14 @@ class Ground:
     noise: NoiseModel
     used: np.ndarray
     nuisances: Nuisances
-    _boxes: dict[tuple[str, str], Box] = field(default_factory=dict, repr=False)
+    _boxes: dict[tuple[tuple[str, str], ...], Box] = field(default_factory=dict, repr=False)
 
-    def box(self, term: Term) -> Box:
-        """What a term's parameters may be here."""
-        key = (term.name, term.form)
+    def box(self, *terms: Term) -> Box:
+        """What the parameters of some terms may be here, in the terms' order."""
+        key = tuple([(term.name, term.form) for term in terms])
         if key not in self._boxes:
-            self._boxes[key] = box_of(term.parameters(self.problem.around))
+            around = self.problem.around
+            self._boxes[key] = box_of([p for term in terms for p in term.parameters(around)])
         return self._boxes[key]
 
     @property
@@ -85,7 +87,12 @@ class Ground:
     def whiten(self, columns: np.ndarray) -> np.ndarray:
         """Columns (n, m) as independent unit innovations on the used rows, (count, m)."""
         filled = np.ascontiguousarray(columns)
-        return whitened(filled, self.gains, self.kept, self.problem.cycle)
+        return whitened(filled, *self.filter)
+
+    @cached_property
+    def filter(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Gains, what is kept from row to row, and cycles: see `whitened`."""
+        return self.gains, self.kept, self.problem.cycle
 
     @cached_property
     def data(self) -> np.ndarray:
@@ -155,7 +162,17 @@ class Fit:
     @property
     def free(self) -> int:
         """How many parameters its terms have."""
-        return sum(len(p.values) for p in self.pieces)
+        return len(self.values)
+
+    @property
+    def box(self) -> Box:
+        """What its terms' parameters may be."""
+        return self.ground.box(*[p.term for p in self.pieces])
+
+    @cached_property
+    def values(self) -> np.ndarray:
+        """Of all its terms' parameters, (free,)."""
+        return values_of(self.pieces)
 
     @cached_property
     def basis(self) -> np.ndarray:
@@ -221,26 +238,28 @@ def evaluate(ground: Ground, pieces: Sequence[Piece]) -> Fit:
 
 def calibrated(ground: Ground, pieces: Sequence[Piece], trace: Trace) -> Fit:
     """The fit with pieces whose angles are known."""
-    columns = ground.whiten(ground.calibrating(trace))
-    precision, expected = ground.precision, ground.nuisances.expected
     data = ground.data
     if trace.added is not None:
         data = data - ground.whiten(trace.added[:, None])[:, 0]
-    normal = columns.T @ columns + precision
-    nuisance = np.linalg.solve(normal, columns.T @ data + precision @ expected)
-    innovations, off = data - columns @ nuisance, nuisance - expected
-    cost = float(innovations @ innovations + off @ precision @ off)
+    nuisance, innovations, columns, cost = regressed(
+        ground.calibrating(trace), data, ground.filter, ground.precision, ground.nuisances.expected
+    )
     cost += 2.0 * ground.log_scale + prior_cost(ground, pieces)
     return Fit(ground, tuple(pieces), nuisance, trace, cost, innovations, columns)
 
 
 def prior_cost(ground: Ground, pieces: Sequence[Piece]) -> float:
     """-2 log of the weak priors that keep parameters at usual sizes."""
-    total = 0.0
-    for piece in pieces:
-        box = ground.box(piece.term)
-        total += float(box.precision @ (piece.values - box.centre) ** 2)
-    return total
+    if not pieces:
+        return 0.0
+    box = ground.box(*[p.term for p in pieces])
+    off = values_of(pieces) - box.centre
+    return float(box.precision @ (off * off))
+
+
+def values_of(pieces: Sequence[Piece]) -> np.ndarray:
+    """The parameters of some pieces, in their order."""
+    return np.concatenate([p.values for p in pieces]) if pieces else np.zeros(0)
 
 
 def prior_mean(parameter: Parameter) -> float:
@@ -293,56 +312,40 @@ def improve(fit: Fit, iterations: int = ITERATIONS, begun: Fit | None = None) ->
     """
     if not fit.pieces:
         return fit
-    boxes = [fit.ground.box(piece.term) for piece in fit.pieces]
-    low, high, centre, precision = (
-        np.concatenate([getattr(b, n) for b in boxes])
-        for n in ("low", "high", "centre", "precision")
-    )
-    damping, slopes = 1e-2, None
+    box, damping, slopes = fit.box, FIRST_DAMPING, None
     if begun is not None and fit.cost < begun.cost:
         last = fit.ground.whiten(jacobian(fit, len(fit.pieces) - 1))
         slopes = _beside_nuisances(fit, np.hstack([begun.slopes, last]))
     for _ in range(iterations):
         known = slopes is None
         slopes = _beside_nuisances(fit, fit.slopes) if slopes is None else slopes
-        values = np.concatenate([p.values for p in fit.pieces])
-        gradient = slopes.T @ fit.innovations - precision * (values - centre)
+        gradient = slopes.T @ fit.innovations - box.precision * (fit.values - box.centre)
         normal = slopes.T @ slopes
-        normal.flat[:: len(values) + 1] += precision
-        stuck = ((values <= low) & (gradient < 0.0)) | ((values >= high) & (gradient > 0.0))
-        stuck |= normal.diagonal() * (high - low) ** 2 <= NOTHING
-        better, foretold, damping = _stepped(fit, normal, gradient, ~stuck, low, high, damping)
+        normal.flat[:: fit.free + 1] += box.precision
+        better, foretold, damping = _stepped(fit, box, normal, gradient, damping)
         if better is None:
             if known:
                 return fit
-            slopes, damping = None, 1e-2
+            slopes, damping = None, FIRST_DAMPING
             continue
         gained = fit.cost - better.cost
         if known and gained < TOLERANCE:
             return better
         trusted = gained > TRUSTED * foretold
-        slopes = _corrected(slopes, fit, better, np.sqrt(normal.diagonal())) if trusted else None
+        slopes = _corrected(slopes, fit, better, normal.diagonal()) if trusted else None
         fit, damping = better, damping / 6.0
     return fit
 
 
 def _stepped(
-    fit: Fit, normal: np.ndarray, gradient: np.ndarray, free: np.ndarray,
-    low: np.ndarray, high: np.ndarray, damping: float,
-) -> tuple[Fit | None, float, float]:  # fmt: skip
+    fit: Fit, box: Box, normal: np.ndarray, gradient: np.ndarray, damping: float
+) -> tuple[Fit | None, float, float]:
     """A better fit one step on, damped as much as that takes; None if no step promises one.
 
     With the gain that the step's slopes foretold, and the damping.
     """
-    values = np.concatenate([p.values for p in fit.pieces])
-    step, own = np.zeros(len(values)), normal[free][:, free]
-    for _ in range(DAMPINGS if len(own) else 0):
-        damped = own.copy()
-        damped.flat[:: len(own) + 1] += damping * own.diagonal()
-        step[free] = np.linalg.solve(damped, gradient[free])
-        moved = np.clip(values + step, low, high)
-        real = moved - values
-        foretold = float(2.0 * gradient @ real - real @ normal @ real)
+    for _ in range(DAMPINGS):
+        moved, foretold = stepped(fit.values, normal, gradient, box.low, box.high, damping)
         if foretold < TOLERANCE:
             break
         trial = evaluate(fit.ground, _with_values(fit.pieces, moved))
@@ -352,23 +355,22 @@ def _stepped(
     return None, 0.0, damping
 
 
-def _corrected(slopes: np.ndarray, fit: Fit, better: Fit, sizes: np.ndarray) -> np.ndarray:
-    """Slopes (count, free) that explain all that a step did; sizes: (free,) of their columns."""
-    step = np.concatenate(
-        [b.values - a.values for a, b in zip(fit.pieces, better.pieces, strict=True)]
-    )
-    length = float(np.sum((sizes * step) ** 2))
+def _corrected(slopes: np.ndarray, fit: Fit, better: Fit, squares: np.ndarray) -> np.ndarray:
+    """Slopes (count, free) that explain all that a step did; squares: (free,) of their lengths."""
+    step = better.values - fit.values
+    along = squares * step
+    length = float(along @ step)
     if length <= 0.0:
         return slopes
     missed = fit.innovations - better.innovations - slopes @ step
-    return np.asarray(slopes + missed[:, None] * (sizes**2 * step / length))
+    return np.asarray(slopes + np.outer(missed, along / length))
 
 
 def _beside_nuisances(fit: Fit, slopes: np.ndarray) -> np.ndarray:
     """Slopes (count, free) less what gain, offset and bends take over of them."""
     columns = fit.calibrating
     normal = columns.T @ columns + fit.ground.precision
-    return np.asarray(slopes - columns @ np.linalg.solve(normal, columns.T @ slopes))
+    return np.asarray(slopes - columns @ solved(normal, columns.T @ slopes))
 
 
 def _with_values(pieces: Sequence[Piece], values: np.ndarray) -> tuple[Piece, ...]:

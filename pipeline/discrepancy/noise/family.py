@@ -7,7 +7,7 @@ from math import exp, log
 import numpy as np
 
 from pipeline.discrepancy.noise.learning import NoisePrior
-from pipeline.discrepancy.noise.noise import NoiseModel, whitened
+from pipeline.discrepancy.noise.noise import NoiseModel, square_of, whitened
 from pipeline.discrepancy.problem.problem import Problem
 
 JITTERS = (0.0, 0.08, 0.16, 0.3, 0.6, 1.2, 2.4, 4.8)
@@ -82,11 +82,10 @@ class NoiseFamily:
         """
         gains, kept, log_scales, level = self.filter_at(place)
         spell = self.prior.model.spell
-        e = whitened(residual[:, None], gains, kept, self.cycle)[:, 0]
+        square, along = square_of(residual, gains, kept, self.cycle, level)
         if level_open:
-            e = e - level * (level @ e)
-        n = len(e) / spell
-        square = float(e @ e)
+            square = max(square - along * along, 0.0)
+        n = len(level) / spell
         sure, learnt = self.prior.sure, log(self.prior.model.deviation)
         least = log(self.prior.finest)
         log_scale = max(0.5 * log(max(square / n, 1e-300)), least)

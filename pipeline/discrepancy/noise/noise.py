@@ -6,45 +6,73 @@ import numpy as np
 from numba import njit
 
 
-@njit(cache=True)
+@njit(cache=True, fastmath={"contract"}, error_model="numpy")
+def _gone_on(spread, kept, squares, anew):  # type: ignore[no-untyped-def]
+    """Covariance of the state a sample later; squares: white, correlated, jitter, walk, each ^2.
+
+    spread: its six different elements, row by row. anew: whether a cycle begins.
+    """
+    a, ab, ac, b, bc, c = spread
+    a = kept * kept * a + squares[1] * (1.0 - kept * kept)
+    ab, ac, c = kept * ab, kept * ac, c + squares[3]
+    return (a, 0.0, ac, squares[2], 0.0, c) if anew else (a, ab, ac, b, bc, c)
+
+
+@njit(cache=True, fastmath={"contract"}, error_model="numpy")
+def _known(spread, white):  # type: ignore[no-untyped-def]
+    """Kalman gains of a sample, the innovation's variance, and the covariance of the state then."""
+    a, ab, ac, b, bc, c = spread
+    f, g, h = a + ab + ac, ab + b + bc, ac + bc + c
+    variance = f + g + h + white
+    one = 1.0 / variance
+    u, v, w = f * one, g * one, h * one
+    left = a - u * f, ab - u * g, ac - u * h, b - v * g, bc - v * h, c - w * h
+    return (u, v, w), variance, left
+
+
+@njit(cache=True, fastmath={"contract"}, error_model="numpy")
 def gains_of(white, correlated, kept, jitter, walk, cycle, used):  # type: ignore[no-untyped-def]
     """Kalman gains for the state (correlated, jitter, walk), one row each sample.
 
     kept: (n,) correlation with the sample before. Returns (n, 4): the three gains and the
     innovation's standard deviation (0 where not used).
     """
-    n = kept.size
-    out = np.zeros((n, 4))
-    p = np.zeros((3, 3))
-    p[0, 0] = correlated * correlated
-    p[1, 1] = jitter * jitter
-    for i in range(n):
+    out = np.zeros((kept.size, 4))
+    squares = white * white, correlated * correlated, jitter * jitter, walk * walk
+    spread = squares[1], 0.0, 0.0, squares[2], 0.0, 0.0
+    for i in range(kept.size):
         if i > 0:
-            for j in range(3):
-                p[0, j] *= kept[i]
-                p[j, 0] *= kept[i]
-            p[0, 0] += correlated * correlated * (1.0 - kept[i] * kept[i])
-            p[2, 2] += walk * walk
-            if cycle[i] != cycle[i - 1]:
-                for j in range(3):
-                    p[1, j] = 0.0
-                    p[j, 1] = 0.0
-                p[1, 1] = jitter * jitter
-        if not used[i]:
-            continue
-        h0 = p[0, 0] + p[0, 1] + p[0, 2]
-        h1 = p[1, 0] + p[1, 1] + p[1, 2]
-        h2 = p[2, 0] + p[2, 1] + p[2, 2]
-        s = h0 + h1 + h2 + white * white
-        out[i, 0], out[i, 1], out[i, 2], out[i, 3] = h0 / s, h1 / s, h2 / s, np.sqrt(s)
-        h = (h0, h1, h2)
-        for j in range(3):
-            for k in range(3):
-                p[j, k] -= h[j] * h[k] / s
+            spread = _gone_on(spread, kept[i], squares, cycle[i] != cycle[i - 1])
+        if used[i]:
+            gains, variance, spread = _known(spread, squares[0])
+            out[i, 0], out[i, 1], out[i, 2] = gains
+            out[i, 3] = np.sqrt(variance)
     return out
 
 
-@njit(cache=True)
+@njit(cache=True, fastmath={"contract"}, error_model="numpy")
+def likelihood_of(residual, white, correlated, kept, jitter, walk, cycle, used):  # type: ignore[no-untyped-def]
+    """Sums over the used rows of squared innovations over their variances, and of these' logs."""
+    squares = white * white, correlated * correlated, jitter * jitter, walk * walk
+    spread = squares[1], 0.0, 0.0, squares[2], 0.0, 0.0
+    slow, zero, gone, total, logs, product = 0.0, 0.0, 0.0, 0.0, 0.0, 1.0
+    for i in range(kept.size):
+        if i > 0:
+            anew = cycle[i] != cycle[i - 1]
+            spread = _gone_on(spread, kept[i], squares, anew)
+            slow, zero = kept[i] * slow, 0.0 if anew else zero
+        if used[i]:
+            gains, variance, spread = _known(spread, squares[0])
+            off = residual[i] - slow - zero - gone
+            slow, zero, gone = slow + gains[0] * off, zero + gains[1] * off, gone + gains[2] * off
+            total += off * off / variance
+            product *= variance
+            if not 1e-100 < product < 1e100:
+                logs, product = logs + np.log(product), 1.0
+    return total, logs + np.log(product)
+
+
+@njit(cache=True, fastmath={"contract", "reassoc", "nsz"})
 def whitened(columns, gains, kept, cycle):  # type: ignore[no-untyped-def]
     """Innovations over their deviations, (used rows, m); kept: as for the gains."""
     n, m = columns.shape
@@ -68,6 +96,27 @@ def whitened(columns, gains, kept, cycle):  # type: ignore[no-untyped-def]
             out[row, k] = e * weight
         so_far, row = 1.0, row + 1
     return out
+
+
+@njit(cache=True, fastmath={"contract"}, error_model="numpy")
+def square_of(residual, gains, kept, cycle, level):  # type: ignore[no-untyped-def]
+    """Squared length of a residual (n,) whitened, and its part along `level` (used rows,)."""
+    slow, zero, gone, square, along, row = 0.0, 0.0, 0.0, 0.0, 0.0, 0
+    for i in range(residual.size):
+        if i > 0:
+            slow *= kept[i]
+            if cycle[i] != cycle[i - 1]:
+                zero = 0.0
+        if gains[i, 3] > 0.0:
+            off = residual[i] - (zero + gone) - slow
+            slow, zero, gone = (
+                slow + gains[i, 0] * off, zero + gains[i, 1] * off, gone + gains[i, 2] * off
+            )  # fmt: skip
+            white = off / gains[i, 3]
+            square += white * white
+            along += white * level[row]
+            row += 1
+    return square, along
 
 
 @dataclass(frozen=True)
@@ -136,8 +185,10 @@ class NoiseModel:
         self, residual: np.ndarray, cycle: np.ndarray, used: np.ndarray, stands: np.ndarray
     ) -> float:
         """Log density of residual (n,) on the used rows."""
-        gains = self.gains(cycle, used, stands)
-        filled = np.where(used, residual, 0.0)[:, None]
-        e = whitened(filled, gains, self.kept(stands), np.asarray(cycle, dtype=np.int64))
-        s = gains[used, 3]
-        return float(-0.5 * np.sum(e**2) - np.sum(np.log(s)) - 0.5 * s.size * np.log(2 * np.pi))
+        squares, logs = likelihood_of(
+            residual, self.white, self.correlated, self.kept(stands), self.jitter, self.walk,
+            np.asarray(cycle, dtype=np.int64), used,
+        )  # fmt: skip
+        count = np.count_nonzero(used)
+        logs += count * np.log(2.0 * np.pi * self.spell)
+        return float(-0.5 * (squares / self.spell + logs))
