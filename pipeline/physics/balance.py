@@ -98,10 +98,9 @@ def settle(
     slope: mean slope of the nominal curve [angle unit/drive unit]. state: the balance's own.
     memory: states of the terms that have one beside it, by their names with forms.
     """
-    keys = [f"{p.term.name}/{p.term.form}" for p in pieces]
     loads = [
-        cast(BalancedTerm, p.term).load(p.values, motion, memory.get(key))
-        for p, key in zip(pieces, keys, strict=True)
+        cast(BalancedTerm, p.term).load(p.values, motion, memory.get(key_of(p)) if memory else None)
+        for p in pieces
     ]
     load = loads[0] if len(loads) == 1 else together(loads)
     linear, cubic, gravity, zero = load.smooth
@@ -129,8 +128,15 @@ def settle(
             carried[1:], angle,
         )  # fmt: skip
         carried[0] = motion.time_s[-1]
-    states = {key: one.carried for key, one in zip(keys, loads, strict=True) if one.carried.size}
+    states = {
+        key_of(p): one.carried for p, one in zip(pieces, loads, strict=True) if one.carried.size
+    }
     return angle, {BALANCE: carried, **states}
+
+
+def key_of(piece: "Piece") -> str:
+    """Under which name the state of a piece is carried."""
+    return f"{piece.term.name}/{piece.term.form}"
 
 
 def together(loads: Sequence[Load]) -> Load:

@@ -57,11 +57,11 @@ class Drift(Term):
         self, signal: np.ndarray, motion: Motion, values: np.ndarray, state: np.ndarray | None
     ) -> tuple[np.ndarray, np.ndarray]:
         first = np.array([motion.time_s[0], motion.cycle[0]]) if state is None else state
+        if self.form == "cycle":
+            return signal + values[0] * (motion.cycle - first[1]), first
         t = motion.time_s - first[0]
         if self.form == "linear":
             drift = values[0] / HOUR_S * t
-        elif self.form == "cycle":
-            drift = values[0] * (motion.cycle - first[1])
         elif self.form == "exponential":
             drift = -values[0] * np.expm1(-t / values[1])
         else:

@@ -12,17 +12,23 @@ SOONER = 0.5
 
 
 @njit(cache=True)
-def varying_play(drive: np.ndarray, half_width: np.ndarray, start: float) -> np.ndarray:
-    """The play operator with a gap of its own for each sample."""
+def worn_play(drive, width, growth, onset, settled, at, last, travel):  # type: ignore[no-untyped-def]
+    """The play operator, (n,), with a width that grows with the travel, and the travel in the end.
+
+    onset: travel before which nothing grows; settled: over which growth fades, inf for never. at,
+    last, travel: where the play, the drive and its travel were before.
+    """
     out = np.empty(drive.size)
-    at = start
     for i in range(drive.size):
-        if drive[i] - half_width[i] > at:
-            at = drive[i] - half_width[i]
-        elif drive[i] + half_width[i] < at:
-            at = drive[i] + half_width[i]
+        travel += abs(drive[i] - last)
+        last = drive[i]
+        worn = max(travel - onset, 0.0)
+        if settled < np.inf:
+            worn = -settled * np.expm1(-worn / settled)
+        half = 0.5 * (width + growth * worn)
+        at = max(at, last - half) if last - half > at else min(at, last + half)
         out[i] = at
-    return out
+    return out, travel
 
 
 class TensionLoss(Term):
@@ -59,24 +65,16 @@ class TensionLoss(Term):
             return (*own, Parameter("settled", unit, low, high, 0.7 * travel, 0.0))
         return own
 
-    def width_at(self, travel: np.ndarray, values: np.ndarray) -> np.ndarray:
-        """Width of the play after some travel [drive unit]."""
-        worn = travel
-        if self.form == "late":
-            worn = np.maximum(travel - values[2], 0.0)
-        elif self.form == "settling":
-            worn = -values[2] * np.expm1(-travel / values[2])
-        return values[1] + values[0] * worn
-
     def respond(
         self, signal: np.ndarray, motion: Motion, values: np.ndarray, state: np.ndarray | None
     ) -> tuple[np.ndarray, np.ndarray]:
         if state is None:
             state = np.array([signal[0], signal[0], 0.0])
-        travel = state[2] + np.cumsum(np.abs(np.diff(signal, prepend=state[1])))
-        half = 0.5 * self.width_at(travel, values)
-        out = varying_play(signal, half, float(state[0]))
-        return out, np.array([out[-1], signal[-1], travel[-1]])
+        growth, width, *more = values
+        onset = more[0] if self.form == "late" else 0.0
+        settled = more[0] if self.form == "settling" else np.inf
+        out, travel = worn_play(signal, width, growth, onset, settled, *state)
+        return out, np.array([out[-1], signal[-1], travel])
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
         growths = around.drive_span / around.travel * np.array([0.01, 0.05, 0.2])

@@ -39,6 +39,11 @@ class Nuisances:
         seen[1, 0] = self.zero
         return np.asarray(seen.T / self.deviations**2 @ seen)
 
+    @property
+    def straight(self) -> bool:
+        """Whether gain and offset are all."""
+        return len(self.deviations) == 2
+
     def offset(self, nuisance: np.ndarray) -> float:
         """The offset at `zero` that nuisances (m,) amount to."""
         return float(nuisance[1] + (nuisance[0] - 1.0) * self.zero)
@@ -62,7 +67,7 @@ class Nuisances:
         self, trace: Trace, nuisance: np.ndarray, others: Mapping[str, np.ndarray]
     ) -> np.ndarray:
         """What is measured, (n,), by a trace and nuisances (m,)."""
-        if len(nuisance) == 2 and trace.added is None:
+        if self.straight and trace.added is None:
             return np.asarray(nuisance[0] * trace.seen + nuisance[1])
         calibrated = self.columns(trace, others) @ nuisance
         return calibrated if trace.added is None else calibrated + trace.added

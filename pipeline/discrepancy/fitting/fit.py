@@ -14,7 +14,7 @@ from pipeline.discrepancy.fitting.calibration import (
     gain_between,
     nuisances_of,
 )
-from pipeline.discrepancy.fitting.normal import regressed, solved, stepped
+from pipeline.discrepancy.fitting.normal import added, regressed, solved, stepped
 from pipeline.discrepancy.noise.noise import NoiseModel, whitened
 from pipeline.discrepancy.problem.problem import Problem
 from pipeline.physics.mechanism import Mechanism, Piece, Trace
@@ -107,6 +107,15 @@ class Ground:
         """What is measured in each row, (n,), by a trace and nuisances (m,)."""
         return self.nuisances.answer(trace, nuisance, self.problem.motion.others)
 
+    def change(self, fit: "Fit", moved: Trace, factor: float, out: np.ndarray) -> None:
+        """How far a trace moves a fit's prediction, times a factor (into `out`, (n,))."""
+        if self.nuisances.straight and moved.added is None:
+            np.subtract(moved.seen, fit.trace.seen, out=out)
+            factor *= fit.nuisance[0]
+        else:
+            np.subtract(self.answer(moved, fit.nuisance), fit.predicted, out=out)
+        out *= factor
+
     def with_noise(self, noise: NoiseModel) -> "Ground":
         return replace(self, noise=noise)
 
@@ -154,7 +163,7 @@ class Fit:
     def names(self) -> tuple[str, ...]:
         return tuple(p.term.name for p in self.pieces)
 
-    @property
+    @cached_property
     def predicted(self) -> np.ndarray:
         """The measurement that the fit expects in each row, (n,)."""
         return self.ground.answer(self.trace, self.nuisance)
@@ -273,8 +282,7 @@ def jacobian(fit: Fit, first: int = 0) -> np.ndarray:
     A parameter that does not move the prediction (a moment between two samples) gives zeros. Fits
     of the same values under other noise share the traces behind it.
     """
-    ground = fit.ground
-    predicted, beside = fit.predicted, fit.trace.beside
+    ground, beside = fit.ground, fit.trace.beside
     columns = np.zeros((fit.free, len(fit.trace.seen)))
     k = begin = sum(len(piece.values) for piece in fit.pieces[:first])
     for i, piece in enumerate(fit.pieces[first:], first):
@@ -286,8 +294,7 @@ def jacobian(fit: Fit, first: int = 0) -> np.ndarray:
                     values[j] += step
                     pieces = (*fit.pieces[:i], Piece(piece.term, values), *fit.pieces[i + 1 :])
                     beside[k] = respond_beside(fit, pieces, piece.term)
-                moved = ground.answer(beside[k], fit.nuisance)
-                columns[k] = (moved - predicted) / step
+                ground.change(fit, beside[k], 1.0 / step, columns[k])
             k += 1
     return columns[begin:].T
 
@@ -363,7 +370,7 @@ def _corrected(slopes: np.ndarray, fit: Fit, better: Fit, squares: np.ndarray) -
     if length <= 0.0:
         return slopes
     missed = fit.innovations - better.innovations - slopes @ step
-    return np.asarray(slopes + np.outer(missed, along / length))
+    return added(slopes, missed, along / length)
 
 
 def _beside_nuisances(fit: Fit, slopes: np.ndarray) -> np.ndarray:

@@ -96,3 +96,13 @@ def stepped(values, normal, gradient, low, high, damping):  # type: ignore[no-un
         for j in range(values.size):
             foretold -= real[i] * normal[i, j] * real[j]
     return moved, foretold
+
+
+@njit(cache=True)
+def added(columns, along, weights):  # type: ignore[no-untyped-def]
+    """Columns (n, p) and the outer product of (n,) and (p,)."""
+    out = columns.copy()
+    for i in range(along.size):
+        for k in range(weights.size):
+            out[i, k] += along[i] * weights[k]
+    return out

@@ -102,16 +102,16 @@ def effects_of(problem: Problem, terms: Sequence[Term]) -> Effects:
 
 def screen(fit: Fit, effects: Effects, terms: Sequence[Term], starts: int = 3) -> list[Lead]:
     """The `starts` best candidates of each term beside a fit, best first."""
-    ground, predicted = fit.ground, fit.predicted
+    ground = fit.ground
     places = effects.promising(fit, terms, PROMISING)
     if not places:
         return []
-    columns = np.empty((len(predicted), len(places)))
+    columns = np.empty((len(places), len(fit.trace.seen)))
     for k, (term, values) in enumerate(places):
         trace = respond_beside(fit, (*fit.pieces, Piece(term, values)), term)
-        columns[:, k] = ground.answer(trace, fit.nuisance) - predicted
+        ground.change(fit, trace, 1.0, columns[k])
     best: dict[tuple[str, str], list[Lead]] = {}
-    gains, factors = gains_of(fit, sized_of(places), columns)
+    gains, factors = gains_of(fit, sized_of(places), columns.T)
     for (term, values), gain, factor in zip(places, gains, factors, strict=True):
         if gain > 0.0:
             scaled = clipped(fit, term, term.scaled(values, factor))
