@@ -32,7 +32,7 @@ def contested(search: Search, choices: Sequence[Choice]) -> list[Choice]:
     ground = next(c for c in choices if not c.fit.pieces).fit.ground
     for wanted in rival_names(choices)[:MOST]:
         own = tuple(t for t in search.terms if t.name in wanted)
-        confined = replace(search, terms=own, vain={}, wide=False)
+        confined = replace(search, terms=own, wide=False)
         own_choices = choose(confined, ground)
         if own_choices[0].score < best.score + RIVAL_GAP:
             own_choices = polished(confined, own_choices)

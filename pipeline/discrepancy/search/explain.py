@@ -139,7 +139,7 @@ def searched_wide(search: Search, begun: list[Choice], found: list[Choice]) -> l
     """
     if not refuted(search, found[0]):
         return found
-    wide = replace(search, wide=True, vain={})
+    wide = replace(search, wide=True)
     again = choose(wide, found[0].fit.ground)
     if abs(again[0].score - min(c.score for c in begun)) > SAME:
         again = polished(wide, again)
