@@ -59,19 +59,19 @@ def _at(place, angle, low_slope, high_slope):  # type: ignore[no-untyped-def]
 
 @njit(cache=True)
 def _between(drive, first, spacing, angle, low_slope, high_slope):  # type: ignore[no-untyped-def]
-    out = np.empty(drive.size)
+    out, each = np.empty(drive.size), 1.0 / spacing
     for i in range(drive.size):
-        out[i] = _at((drive[i] - first) / spacing, angle, low_slope, high_slope)
+        out[i] = _at((drive[i] - first) * each, angle, low_slope, high_slope)
     return out
 
 
 @njit(cache=True)
 def _spared(drive, middle, half, slope, first, spacing, angle, low_slope, high_slope):  # type: ignore[no-untyped-def]
-    out = np.empty(drive.size)
+    out, each = np.empty(drive.size), 1.0 / spacing
     for i in range(drive.size):
         lost = min(max(drive[i] - middle, -half), half)
-        left = _at((drive[i] - lost - first) / spacing, angle, low_slope, high_slope)
-        whole = _at((drive[i] - first) / spacing, angle, low_slope, high_slope)
+        left = _at((drive[i] - lost - first) * each, angle, low_slope, high_slope)
+        whole = _at((drive[i] - first) * each, angle, low_slope, high_slope)
         out[i] = left + slope * lost - whole
     return out
 
