@@ -6,7 +6,9 @@ import numpy as np
 
 from pipeline.physics.balance import Load
 from pipeline.physics.motion import Motion
-from pipeline.physics.term import Parameter, Surroundings, Term
+from pipeline.physics.term import NO_STATE, Parameter, Surroundings, Term
+
+DRIVEN = "driven"
 
 
 class Compliance(Term):
@@ -18,21 +20,26 @@ class Compliance(Term):
     ropes do: it pulls by e - toe * length * (1 - exp(-e / length)). Its parameters mean the same:
     softness at first, and the reach within which half of that is gone. In form "off home" the wire
     is loose at theta = centre, where the joint's own spring is at rest. Form "joint": hardening *
-    theta^3. Source: two springs in series; toe region of wire ropes, Feyrer, Wire Ropes (2015),
-    section 2.3; of tendons, Fung, Biomechanics (1993), section 7.3; Duffing.
+    theta^3. Form "driven" is stretch before the nominal curve, that of a drive u off its centre:
+    softness u / (1 + |u / reach|^a)^(1 / a), the sooner gone at the reach the larger the
+    `abruptness` a. Source: two springs in series; toe region of wire ropes, Feyrer, Wire Ropes
+    (2015), section 2.3; of tendons, Fung, Biomechanics (1993), section 7.3; Duffing; Richard and
+    Abbott, J. Eng. Mech. Div. ASCE 101 (1975) 511.
     """
 
     name = "compliance"
     site = "transmission"
     in_balance = True
     group = "bend"
-    grows: ClassVar = {"wire": ("toe", "off home")}
+    grows: ClassVar = {"wire": ("toe", "off home", DRIVEN)}
     says = (
         "The wire stretches under the joint's stiffness, and hardens: it moves less than commanded."
     )
 
     def __init__(self, form: str = "wire") -> None:
         self.form = form
+        self.before_curve = form == DRIVEN
+        self.in_balance = not self.before_curve
         self.own_law = form in ("toe", OFF_HOME)
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
@@ -41,6 +48,15 @@ class Compliance(Term):
         if self.form == "joint":
             hard = 0.1 / half**2
             return (Parameter("hardening", f"1/{unit}^2", 0.0, 30 * hard, hard, hard), stretch)
+        if self.form == DRIVEN:
+            far, unit = 0.5 * around.drive_span, around.drive_unit
+            low, high = min(around.drive_low, 0.0), max(around.drive_low + 2.0 * far, 0.0)
+            return (
+                Parameter("softness", "", 0.0, 0.95, 0.2, 0.2),
+                Parameter("reach", unit, 0.02 * far, 4.0 * far, 0.4 * far, 0.4 * far),
+                Parameter("abruptness", "", 0.4, 8.0, 2.0, 0.0),
+                Parameter("centre", unit, low, high, 0.0, 0.1 * far, weak=True),
+            )
         wire = (
             Parameter("softness", "", 0.0, 0.8, 0.2, 0.2),
             Parameter("reach", unit, 0.01 * half, 2.0 * half, 0.2 * half, 0.2 * half),
@@ -56,6 +72,8 @@ class Compliance(Term):
         )
 
     def void(self, values: np.ndarray) -> bool:
+        if self.form == DRIVEN:
+            return super().void(values)
         stretch = values[1] if self.form == "joint" else values[2]
         return bool(values[0] == 0.0 and stretch == 0.0)
 
@@ -75,10 +93,22 @@ class Compliance(Term):
             give=np.array([[most, sharpness, stiffness, *(centre or [0.0])]]),
         )
 
+    def respond(
+        self, signal: np.ndarray, motion: Motion, values: np.ndarray, state: np.ndarray | None
+    ) -> tuple[np.ndarray, np.ndarray]:
+        softness, reach, abruptness, centre = values
+
+        off = signal - centre
+        stretch = softness * off / (1.0 + np.abs(off / reach) ** abruptness) ** (1.0 / abruptness)
+        return signal - stretch, NO_STATE
+
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
         half = 0.5 * around.angle_span
         if self.form == "joint":
             return np.array([[h / half**2, s] for h in (0.03, 0.3) for s in (0.0, 0.2)])
+        if self.form == DRIVEN:
+            far = 0.5 * around.drive_span
+            return np.array([[0.2, r * far, a, 0.0] for r in (0.25, 0.7) for a in (1.0, 2.0, 4.0)])
         if self.form == "toe":
             starts = ((0.4, 0.1, 0.2), (0.2, 0.2, 0.2), (0.2, 0.4, 0.2), (0.2, 0.2, 0.1))
             return np.array([[s, r * half, 0.0, k] for s, r, k in starts])

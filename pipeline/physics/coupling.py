@@ -46,6 +46,10 @@ class Coupling(Term):
         self.in_balance = not form.endswith(DIRECT)
 
     @property
+    def only_held(self) -> bool:  # type: ignore[override]
+        return self.form != self.kin
+
+    @property
     def kin(self) -> str:
         return self.form.removesuffix(DIRECT)
 

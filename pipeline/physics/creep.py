@@ -5,7 +5,7 @@ from typing import ClassVar
 import numpy as np
 
 from pipeline.physics.balance import Load
-from pipeline.physics.held import dwells, slewed
+from pipeline.physics.held import dwells, trailed
 from pipeline.physics.motion import Motion
 from pipeline.physics.term import Parameter, Surroundings, Term
 
@@ -16,23 +16,35 @@ class Creep(Term):
     In the balance, arm_j = s_j (theta - v_j), v_j' = (theta - v_j) / tau_j, with one or two arms.
     Of each motion of a free joint the `share` s / (1 + s) arrives late, with `time_constant` (1 +
     s) tau. Form "whole", after the balance: as much of each motion arrives late whatever loads the
-    joint. Source: standard linear solid (Zener); the command is held through each dwell.
+    joint. There the command is held through each dwell; form "running" is "whole" for one that runs
+    straight from sample to sample. Form "wire" creeps before the nominal curve, where over the
+    share `moving` of each dwell the drive runs to its next value and what is late was `begun` ahead
+    of the drive, as it was moved before; "wire two" has two arms. Source: standard linear solid
+    (Zener).
     """
 
     name = "creep"
     site = "transmission"
     timed = True
     far_apart = True
-    grows: ClassVar = {"one": ("two",)}
+    grows: ClassVar = {
+        "one": ("two", "wire"),
+        "two": ("wire two",),
+        "whole": ("wire",),
+        "running": ("wire",),
+        "wire": ("wire two",),
+    }
     says = "Part of each motion ({share}) arrives late, with a time constant of {time_constant}."
 
     def __init__(self, form: str = "one") -> None:
         self.form = form
-        self.in_balance = form != "whole"
+        self.before_curve = "wire" in form
+        self.only_held = form == "whole"
+        self.in_balance = form in ("one", "two")
 
     @property
     def kin(self) -> str:
-        return "one" if self.form == "whole" else self.form
+        return "one" if self.form in ("whole", "running") else self.form
 
     def outside(self) -> Term | None:
         return Creep("whole") if self.form == "one" else None
@@ -40,11 +52,18 @@ class Creep(Term):
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
         dwell = max(around.dwell_s, 1e-9)
         longest = max(around.end_s - around.start_s, 10.0 * dwell)
-        own = (
+        own: tuple[Parameter, ...] = (
             Parameter("share", "", 0.0, 0.8, 0.1, 0.1),
             Parameter("time_constant", "s", 0.2 * dwell, longest, 5.0 * dwell, 0.0),
         )
-        if self.form != "two":
+        if self.before_curve:
+            span, unit = around.drive_span, around.drive_unit
+            own = (
+                *own,
+                Parameter("moving", "", 0.0, 1.0, 0.0, 0.5),
+                Parameter("begun", unit, -span, span, 0.0, 0.25 * span, weak=True),
+            )
+        if "two" not in self.form:
             return own
         return (
             *own,
@@ -62,15 +81,25 @@ class Creep(Term):
     def respond(
         self, signal: np.ndarray, motion: Motion, values: np.ndarray, state: np.ndarray | None
     ) -> tuple[np.ndarray, np.ndarray]:
-        time_s, at = (motion.time_s[0], signal[0]) if state is None else state
-        dwell, asked = dwells(motion, float(time_s)), np.ascontiguousarray(signal)
-        late = slewed(asked, dwell, float(values[1]), np.inf, float(at))
-        return signal + values[0] * (late - signal), np.array([motion.time_s[-1], late[-1]])
+        arms = [values[:2], values[-2:]][: 2 if "two" in self.form else 1]
+        moving = float(values[2]) if self.before_curve else float(self.form == "running")
+        if state is None:
+            begun = signal[0] + (values[3] if self.before_curve else 0.0)
+            state = np.array([motion.time_s[0], signal[0], *[begun] * len(arms)])
+        dwell, asked = dwells(motion, float(state[0])), np.ascontiguousarray(signal)
+        out, last = signal, [motion.time_s[-1], signal[-1]]
+        for (share, late_s), at in zip(arms, state[2:], strict=True):
+            late = trailed(asked, dwell, float(late_s), moving, float(state[1]), float(at))
+            out = out + share * (late - signal)
+            last.append(late[-1])
+        return out, np.array(last)
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
         dwell = max(around.dwell_s, 1e-9)
         rows = [[0.05, k * dwell] for k in (0.6, 1.5, 4.0, 10.0, 25.0, 60.0)]
-        if self.form == "two":
+        if self.before_curve:
+            rows = [[*r, moving, 0.0] for moving in (0.0, 1.0) for r in rows]
+        if "two" in self.form:
             rows = [[*r, 0.02, 12.0 * r[1]] for r in rows]
         return np.array(rows)
 
@@ -79,11 +108,13 @@ class Creep(Term):
 
     def retold(self, starts: np.ndarray) -> np.ndarray:
         """What one arm does in the middle, two do: one that is quicker, and one that is slower."""
-        if self.form != "two":
+        if "two" not in self.form:
             return starts
         share, time_constant = starts[0, :2]
-        own = [share, time_constant, share, time_constant]
-        return np.vstack([starts, np.multiply(own, APART)])
+        own = np.multiply([share, time_constant, share, time_constant], APART)
+        if self.before_curve:
+            own = np.insert(own, [2, 2], starts[0, 2:4], axis=1)
+        return np.vstack([starts, own])
 
 
 APART = (

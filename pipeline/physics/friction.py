@@ -6,10 +6,10 @@ import numpy as np
 
 from pipeline.physics.balance import Load
 from pipeline.physics.motion import Motion
-from pipeline.physics.pre_sliding import ELEMENTS, WIDEST, dragging, reaches_of
+from pipeline.physics.pre_sliding import ELEMENTS, WIDEST, dragging, reaches_of, weighted
 from pipeline.physics.term import Parameter, Surroundings, Term
 
-WRAPPED = "wrapped"
+WRAPPED, ASYMMETRIC = "wrapped", "driven asymmetric"
 
 
 class Friction(Term):
@@ -24,7 +24,8 @@ class Friction(Term):
     bends rubs the more the further that is bent (first term of the capstan's power series).
     Form "driven" is a bristle that the drive bends, x = u - width / 2 z(u), as models of tendons in
     sheaths have it, over no shorter a reach than keeps the joint from moving against the drive; it
-    is told by what it holds back at the joint, like the others.
+    is told by what it holds back at the joint, like the others. In form "driven asymmetric" it is
+    held more in one direction than in the other.
     Sources: Euler (1769); Iwan (1966); Al-Bender and Swevers, IEEE Control Systems 28(6) (2008) 64.
     """
 
@@ -32,7 +33,8 @@ class Friction(Term):
     site = "transmission"
     in_balance = True
     grows: ClassVar = {
-        "symmetric": ("asymmetric", "bristle", "bristle asymmetric", "driven", WRAPPED)
+        "symmetric": ("asymmetric", "bristle", "bristle asymmetric", "driven", WRAPPED),
+        "driven": (ASYMMETRIC,),
     }
     says = (
         "Friction holds the wire back by {width} between the two ways, "
@@ -41,12 +43,12 @@ class Friction(Term):
 
     def __init__(self, form: str = "symmetric") -> None:
         self.form = form
-        self.before_curve = form == "driven"
+        self.before_curve = form in ("driven", ASYMMETRIC)
         self.in_balance = not self.before_curve
 
     @property
     def kin(self) -> str:
-        return "symmetric" if self.form == "driven" else self.form
+        return "symmetric" if self.before_curve else self.form
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
         unit, driven = around.angle_unit, self.before_curve
@@ -84,9 +86,11 @@ class Friction(Term):
     def respond(
         self, signal: np.ndarray, motion: Motion, values: np.ndarray, state: np.ndarray | None
     ) -> tuple[np.ndarray, np.ndarray]:
-        width, reach, release = values
-        forward = max(reach, 0.5 * width * (1.0 + release))
+        width, reach, release = values[:3]
+        asymmetry = float(values[3]) if self.form == ASYMMETRIC else 0.0
+        forward = max(reach, 0.5 * width * (1.0 + abs(asymmetry)) * (1.0 + release))
         share, state = dragging(signal, forward, release, state)
+        share = weighted(share, asymmetry)
         return signal - 0.5 * width * share, state
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:

@@ -1,4 +1,4 @@
-"""A command that is held through each dwell, and what follows it with one time constant."""
+"""A command that is held through each dwell or runs on, and what follows it late."""
 
 import numpy as np
 from numba import njit
@@ -25,5 +25,27 @@ def slewed(signal, dwell, time_constant, top_speed, at):  # type: ignore[no-unty
         if left > 0.0:
             fade = np.exp(-left / time_constant) if time_constant > 0.0 else 0.0
             at = signal[i] - (signal[i] - at) * fade
+        out[i] = at
+    return out
+
+
+@njit(cache=True)
+def trailed(signal, dwell, time_constant, moving, before, at):  # type: ignore[no-untyped-def]
+    """x' = (u - x) / time_constant: exact answer (n,).
+
+    Over the share `moving` of each dwell the command u runs straight to its next value, then it is
+    held there. before, at: the command and the answer ahead of the first sample.
+    """
+    out = np.empty(signal.size)
+    for i in range(signal.size):
+        runs = moving * dwell[i]
+        if runs > 0.0:
+            late = (signal[i] - before) / runs * time_constant
+            fade = np.exp(-runs / time_constant) if time_constant > 0.0 else 0.0
+            at = signal[i] - late + (at - before + late) * fade
+        if dwell[i] > runs:
+            fade = np.exp((runs - dwell[i]) / time_constant) if time_constant > 0.0 else 0.0
+            at = signal[i] + (at - signal[i]) * fade
+        before = signal[i]
         out[i] = at
     return out

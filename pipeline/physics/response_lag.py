@@ -8,7 +8,7 @@ from numba import njit
 from pipeline.number_words import worded
 from pipeline.physics.balance import Load
 from pipeline.physics.equilibrium import NEARBY, NEVER
-from pipeline.physics.held import dwells, slewed
+from pipeline.physics.held import dwells, slewed, trailed
 from pipeline.physics.motion import Motion
 from pipeline.physics.tabled import inlined
 from pipeline.physics.term import Parameter, Surroundings, Term
@@ -17,7 +17,7 @@ NEARLY_CRITICAL = 1e-6
 DENSE = 200
 SPEEDS = 8
 JUMP, RARE = 0.05, 0.2
-FIRST_ORDER = ("first", "whole")
+FIRST_ORDER = ("first", "whole", "running")
 
 
 @inlined
@@ -84,7 +84,8 @@ class ResponseLag(Term):
 
     A viscous drag in the balance (see `balance.py`): beside other loads the lag depends on them,
     longer where the wires hang slack, shorter against a stop. Form "whole" is the same after the
-    balance: whatever loads the joint. Form "second", after the balance:
+    balance: whatever loads the joint; "running" is that of a command that runs straight from one
+    sample to the next. Form "second", after the balance:
     x'' = w^2 (u - x) - 2 damping w x', w being `natural_frequency`; over the share `moving` of each
     dwell the command runs to its next value. Form "motor" is the same of the motor, before gears
     and wires: as of a servo that is late itself. Form "slewing" is a motor of first order that has
@@ -110,11 +111,12 @@ class ResponseLag(Term):
     def __init__(self, form: str = "first") -> None:
         self.form = form
         self.in_balance = form == "first"
+        self.only_held = form == "whole"
         self.before_curve = form in ("motor", "slewing")
 
     @property
     def kin(self) -> str:
-        return "first" if self.form == "whole" else self.form
+        return "first" if self.form in FIRST_ORDER else self.form
 
     def outside(self) -> Term | None:
         return ResponseLag("whole") if self.form == "first" else None
@@ -146,6 +148,10 @@ class ResponseLag(Term):
         if state is None:
             state = np.array([motion.time_s[0], signal[0], 0.0, signal[0]])
         dwell, asked = dwells(motion, float(state[0])), np.ascontiguousarray(signal)
+        if self.form == "running":
+            before, at, late = float(state[3]), float(state[1]), float(values[0])
+            out = trailed(asked, dwell, late, 1.0, before, at)
+            return out, np.array([motion.time_s[-1], out[-1], 0.0, asked[-1]])
         if self.form in ("whole", "slewing"):
             top_speed = float(values[1]) if self.form == "slewing" else np.inf
             out = slewed(asked, dwell, float(values[0]), top_speed, float(state[1]))

@@ -5,10 +5,12 @@ from typing import ClassVar
 import numpy as np
 from numba import njit
 
+from pipeline.number_words import worded
 from pipeline.physics.motion import Motion
 from pipeline.physics.term import Parameter, Surroundings, Term
 
 SOONER = 0.5
+BESIDE = (-1.0, -0.5, 0.0, 0.5, 1.0)
 
 
 @njit(cache=True)
@@ -31,12 +33,26 @@ def worn_play(drive, width, growth, onset, settled, at, last, travel):  # type: 
     return out, travel
 
 
+@njit(cache=True)
+def varying_play(drive, half_width, at):  # type: ignore[no-untyped-def]
+    """The play operator, (n,), with a gap of its own for each sample."""
+    out = np.empty(drive.size)
+    for i in range(drive.size):
+        half = half_width[i]
+        at = max(at, drive[i] - half) if drive[i] - half > at else min(at, drive[i] + half)
+        out[i] = at
+    return out
+
+
 class TensionLoss(Term):
     """Play of a width that grows with the travel s of the drive: wear, or slackening.
 
     Forms: "linear" w = width + growth s; "late" w = width + growth max(s - onset, 0); "settling"
-    w = width + growth settled (1 - exp(-s / settled)). Source: the play operator with a width that
-    changes; wear in proportion to the way slid (Archard, J. Appl. Phys. 24 (1953) 981).
+    w = width + growth settled (1 - exp(-s / settled)); "cycle" w = width + growth n, n being the
+    number of the cycle. Forms "round" and "cycle round" grow as "linear" and "cycle", and their
+    corners are round: a bank of plays whose widths lie up to a share `rounding` beside the whole.
+    Source: the play operator with a width that changes; banks of it (Prandtl, Ishlinskii); wear in
+    proportion to the way slid (Archard, J. Appl. Phys. 24 (1953) 981).
     """
 
     name = "tension_loss"
@@ -44,22 +60,29 @@ class TensionLoss(Term):
     before_curve = True
     group = "play"
     far_apart = True
-    grows: ClassVar = {"linear": ("late", "settling")}
+    grows: ClassVar = {"linear": ("late", "settling", "round"), "cycle": ("cycle round",)}
     says = "The wire slackens: its play was {width} at the start and grows by {growth} of travel."
 
     def __init__(self, form: str = "linear") -> None:
         self.form = form
 
+    @property
+    def kin(self) -> str:
+        return "linear" if self.form == "cycle" else self.form
+
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
         span, unit = around.drive_span, around.drive_unit
         travel = around.travel
         most = span / travel
-        own = (
-            Parameter("growth", f"{unit}/{unit}", 0.0, 4.0 * most, 0.05 * most, 0.05 * most),
-            Parameter("width", unit, 0.0, 0.8 * span, 0.02 * span, 0.05 * span),
-        )
+        growth = Parameter("growth", f"{unit}/{unit}", 0.0, 4.0 * most, 0.05 * most, 0.05 * most)
+        if "cycle" in self.form:
+            each, a_cycle = span / max(around.cycles, 1), f"{unit}/cycle"
+            growth = Parameter("growth_a_cycle", a_cycle, 0.0, 4 * each, 0.05 * each, 0.05 * each)
+        own = (growth, Parameter("width", unit, 0.0, 0.8 * span, 0.02 * span, 0.05 * span))
         if self.form == "late":
             return (*own, Parameter("onset", unit, 0.0, 0.9 * travel, 0.2 * travel, 0.0))
+        if "round" in self.form:
+            return (*own, Parameter("rounding", "", 0.0, 1.0, 0.5, 0.2))
         if self.form == "settling":
             low, high = 0.05 * travel, 5.0 * travel
             return (*own, Parameter("settled", unit, low, high, 0.7 * travel, 0.0))
@@ -68,19 +91,36 @@ class TensionLoss(Term):
     def respond(
         self, signal: np.ndarray, motion: Motion, values: np.ndarray, state: np.ndarray | None
     ) -> tuple[np.ndarray, np.ndarray]:
-        if state is None:
-            state = np.array([signal[0], signal[0], 0.0])
         growth, width, *more = values
         onset = more[0] if self.form == "late" else 0.0
         settled = more[0] if self.form == "settling" else np.inf
-        out, travel = worn_play(signal, width, growth, onset, settled, *state)
-        return out, np.array([out[-1], signal[-1], travel])
+        parts = [1.0 + more[0] * k for k in BESIDE] if "round" in self.form else [1.0]
+        by_cycle = "cycle" in self.form
+        if state is None:
+            begun = [*[signal[0]] * len(parts), signal[0], 0.0]
+            state = np.array([*begun, motion.cycle[0]] if by_cycle else begun)
+        last, travelled, *first = state[len(parts) :]
+        plays, travel = [], travelled
+        for part, at in zip(parts, state, strict=False):
+            if by_cycle:
+                half = 0.5 * part * (width + growth * (motion.cycle - first[0]))
+                play = varying_play(signal, half, at)
+            else:
+                play, travel = worn_play(
+                    signal, part * width, part * growth, onset, settled, at, last, travelled
+                )
+            plays.append(play)
+        kept = np.array([*(play[-1] for play in plays), signal[-1], travel, *first])
+        return (plays[0] if len(plays) == 1 else np.mean(plays, axis=0)), kept
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
-        growths = around.drive_span / around.travel * np.array([0.01, 0.05, 0.2])
+        parts = around.cycles if "cycle" in self.form else around.travel
+        growths = around.drive_span / max(parts, 1e-9) * np.array([0.01, 0.05, 0.2])
         rows = [[g, w * around.drive_span] for g in growths for w in (0.0, 0.02, 0.06)]
-        if self.form == "linear":
+        if self.form in ("linear", "cycle"):
             return np.array(rows)
+        if "round" in self.form:
+            return np.array([[*r, 0.5] for r in rows])
         return np.array([[*r, s * around.travel] for r in rows for s in (0.15, 0.4)])
 
     def retold(self, starts: np.ndarray) -> np.ndarray:
@@ -95,3 +135,12 @@ class TensionLoss(Term):
 
     def excited(self, motion: Motion, around: Surroundings) -> bool:
         return around.cycles >= 2 and around.travel > 0.0
+
+    def sentence(self, values: np.ndarray, around: Surroundings) -> str:
+        if "cycle" not in self.form:
+            return super().sentence(values, around)
+        unit = around.drive_unit
+        return (
+            f"The wire slackens: its play was {worded(values[1])} {unit} at the start and grows by "
+            f"{worded(values[0])} {unit} with each cycle."
+        )

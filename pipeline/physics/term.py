@@ -94,6 +94,7 @@ class Term:
     grows: for a form, those that hold more of the real thing; their first parameters are the same.
     far_apart: whether a start says little of where a fit from it ends, until it has gone some way.
     holds: whether it keeps the joint where other terms of the balance would move it.
+    only_held: whether a form differs from its kin only beside what holds the joint.
     own_law: whether a form bends otherwise than the plainer one whose parameters it has: a fit of
     that is one more place to begin from, not the only one.
     """
@@ -103,6 +104,7 @@ class Term:
     before_curve: bool = False
     in_balance: bool = False
     holds: ClassVar[bool] = False
+    only_held: bool = False
     own_law: bool = False
     adds: bool = False
     timed: ClassVar[bool] = False
@@ -117,7 +119,7 @@ class Term:
 
     @property
     def kin(self) -> str:
-        """The form that it is alike but beside what loads the joint: both are one idea."""
+        """The form that it is much alike: both are one idea in a search."""
         return self.form
 
     def outside(self) -> "Term | None":

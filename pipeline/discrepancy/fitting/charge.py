@@ -16,6 +16,8 @@ UNLIKELY = {
     "lost_steps": 3.0,
     "contact": 2.0,
     "drift/wave": 6.0,
+    "response_lag/running": BEHIND,
+    "creep/running": BEHIND,
     "slack/behind": BEHIND,
     "slack/home behind": BEHIND,
     "viscous_friction/sprung": BEHIND,
@@ -50,7 +52,8 @@ def unlikely(term: Term) -> float:
     """How much less likely than others a term is in its form, in -2 log odds.
 
     A wave of any period and phase follows what jitters or repeats with the cycles as well. Slack
-    that is lost behind the curve has as many parameters as one before it: chance would decide. A
+    that is lost behind the curve has as many parameters as one before it: chance would decide; so
+    it would between a frame that is old and a joint that is late behind a command that runs on. A
     damper behind a spring is two things.
     """
     whole = f"{term.name}/{term.form}"

@@ -316,7 +316,7 @@ def allowed(terms: Sequence[Term], fit: Fit) -> list[Term]:
         t
         for t in terms
         if (t.name, t.form) not in keys
-        and (holding or t.before_curve or t.kin == t.form)
+        and (holding or not t.only_held)
         and (t.name not in names or t.name in (*SIDED, Coupling.name))
         and not (t.group and t.group in groups)
         and not (isinstance(t, Coupling) and t.channel in coupled)

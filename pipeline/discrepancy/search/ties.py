@@ -68,7 +68,8 @@ def standing(name: str, best: Choice, choices: list[Choice], problem: Problem) -
 
     Those that are the best one in disguise say nothing, but for slack that may be what bends, and
     for friction sharper than a step: it may be what looks like play, though charged for parameters
-    that tell nothing there, and ties with it if it fits better.
+    that tell nothing there, and ties with it if it fits better. Where one bend of a static curve
+    could stand in its place, each could.
     """
     distinct = by_names(choices)
     weights = weights_of(distinct)
@@ -89,7 +90,8 @@ def standing(name: str, best: Choice, choices: list[Choice], problem: Problem) -
             sharper = [Friction.name]
             gaps |= {Friction.name: gap} if gap < 0.0 else {}
     tied = [n for n, gap in gaps.items() if gap < TIE]
-    like = dict.fromkeys([*sharper, *equivalents(name, problem)])
+    alike = [n for one in (name, *(BENDS & set(tied))) for n in equivalents(one, problem)]
+    like = dict.fromkeys([*sharper, *sorted(alike)])
     known = [n for n in like if n not in names(best) | set(tied)]
     unsettled = bool(tied) or bool(name in BENDS and known)
     return Standing(probability, tuple(sorted(tied) + known), unsettled)
@@ -129,7 +131,11 @@ def plainly(fit: Fit) -> list[str]:
             hidden = bool(piece.values[0] ** 2 <= worth * size)
         elif isinstance(piece.term, Friction):
             hidden = sharp(fit, i)
-        elif isinstance(piece.term, Compliance) and piece.term.form not in ("joint", "toe"):
+        elif isinstance(piece.term, Compliance) and piece.term.form not in (
+            "joint",
+            "toe",
+            "driven",
+        ):
             reach, stretch, stiffness = piece.values[1:4]
             step = where_acting(fit.ground.problem.around.step, fit, piece.term)
             hidden = bool(reach * stiffness / (stiffness + stretch) < step)
