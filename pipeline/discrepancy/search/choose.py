@@ -243,7 +243,7 @@ def extended(
             improve(started(still, few), 3, still)
             for few in by_term(screen(still, search.effects, slow))
         ]
-    trials = worthwhile(search, parent, list(found.values()), late, max(branches - 3, 3))
+    trials = worthwhile(search, parent, list(found.values()), late, max(branches - 2, 3))
     fits = [settle_moments(improve(trial, 8)) for trial in trials]
     return [search.weighed(fit, parent.place) for fit in fits]
 
