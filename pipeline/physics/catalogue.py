@@ -63,7 +63,6 @@ def terms(other_commands: Iterable[str] = ()) -> tuple[Term, ...]:
         Creep(),
         Creep("whole"),
         Creep("running"),
-        Creep("running"),
         TensionLoss(),
         TensionLoss("cycle"),
         Gravity(),

@@ -201,3 +201,8 @@ def test_a_zero_wanders_more_slowly_than_the_cycles_do(cycles):
     periods = term("drift", "wave").candidates(motion, there)[:, 1]
     assert len(periods)
     assert np.all(periods >= shortest)
+
+
+def test_no_form_stands_twice_in_the_catalogue():
+    forms = [(t.name, t.form) for t in terms(["yaw_command_deg"])]
+    assert len(forms) == len(set(forms))
