@@ -6,8 +6,9 @@ from itertools import pairwise
 
 import numpy as np
 
+from pipeline.physics.held import STEP_AND_WAIT_S
+
 MOST_ROWS_A_CYCLE = 400
-STEP_AND_WAIT_S = 0.5
 HOLD_SAMPLES = 14
 LARGE_STEPS = 5.0
 

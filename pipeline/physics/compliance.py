@@ -22,9 +22,10 @@ class Compliance(Term):
     is loose at theta = centre, where the joint's own spring is at rest. Form "joint": hardening *
     theta^3. Form "driven" is stretch before the nominal curve, that of a drive u off its centre:
     softness u / (1 + |u / reach|^a)^(1 / a), the sooner gone at the reach the larger the
-    `abruptness` a. Source: two springs in series; toe region of wire ropes, Feyrer, Wire Ropes
-    (2015), section 2.3; of tendons, Fung, Biomechanics (1993), section 7.3; Duffing; Richard and
-    Abbott, J. Eng. Mech. Div. ASCE 101 (1975) 511.
+    `abruptness` a; a wire that loses more than half of the way hangs slack. Source: two springs in
+    series; toe region of wire ropes, Feyrer, Wire Ropes (2015), section 2.3; of tendons, Fung,
+    Biomechanics (1993), section 7.3; Duffing; Richard and Abbott, J. Eng. Mech. Div. ASCE 101
+    (1975) 511.
     """
 
     name = "compliance"
@@ -52,7 +53,7 @@ class Compliance(Term):
             far, unit = 0.5 * around.drive_span, around.drive_unit
             low, high = min(around.drive_low, 0.0), max(around.drive_low + 2.0 * far, 0.0)
             return (
-                Parameter("softness", "", 0.0, 0.95, 0.2, 0.2),
+                Parameter("softness", "", 0.0, 0.5, 0.2, 0.2),
                 Parameter("reach", unit, 0.02 * far, 4.0 * far, 0.4 * far, 0.4 * far),
                 Parameter("abruptness", "", 0.4, 8.0, 2.0, 0.0),
                 Parameter("centre", unit, low, high, 0.0, 0.1 * far, weak=True),
@@ -97,7 +98,6 @@ class Compliance(Term):
         self, signal: np.ndarray, motion: Motion, values: np.ndarray, state: np.ndarray | None
     ) -> tuple[np.ndarray, np.ndarray]:
         softness, reach, abruptness, centre = values
-
         off = signal - centre
         stretch = softness * off / (1.0 + np.abs(off / reach) ** abruptness) ** (1.0 / abruptness)
         return signal - stretch, NO_STATE

@@ -43,11 +43,8 @@ class Coupling(Term):
         self.form = form
         self.channel = form.removesuffix(WITH_PLAY).removesuffix(DIRECT)
         self.plays = form.endswith(WITH_PLAY)
-        self.in_balance = not form.endswith(DIRECT)
-
-    @property
-    def only_held(self) -> bool:  # type: ignore[override]
-        return self.form != self.kin
+        self.only_held = form.endswith(DIRECT)
+        self.in_balance = not self.only_held
 
     @property
     def kin(self) -> str:

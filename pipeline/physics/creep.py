@@ -5,7 +5,7 @@ from typing import ClassVar
 import numpy as np
 
 from pipeline.physics.balance import Load
-from pipeline.physics.held import dwells, trailed
+from pipeline.physics.held import STEP_AND_WAIT_S, dwells, trailed
 from pipeline.physics.motion import Motion
 from pipeline.physics.term import Parameter, Surroundings, Term
 
@@ -104,7 +104,9 @@ class Creep(Term):
         return np.array(rows)
 
     def excited(self, motion: Motion, around: Surroundings) -> bool:
-        return around.drive_span > 0.0 and around.dwell_s > 0.0
+        """Form "running" where a drive is sampled too often to step and wait."""
+        runs = self.form != "running" or around.dwell_s < STEP_AND_WAIT_S
+        return around.drive_span > 0.0 and around.dwell_s > 0.0 and runs
 
     def retold(self, starts: np.ndarray) -> np.ndarray:
         """What one arm does in the middle, two do: one that is quicker, and one that is slower."""

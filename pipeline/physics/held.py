@@ -5,6 +5,8 @@ from numba import njit
 
 from pipeline.physics.motion import Motion
 
+STEP_AND_WAIT_S = 0.5  # a robot that is sampled no more often steps and waits
+
 
 def dwells(motion: Motion, last_time: float) -> np.ndarray:
     """Time that each command had before its sample was taken, (n,) [s]."""

@@ -8,7 +8,7 @@ from numba import njit
 from pipeline.number_words import worded
 from pipeline.physics.balance import Load
 from pipeline.physics.equilibrium import NEARBY, NEVER
-from pipeline.physics.held import dwells, slewed, trailed
+from pipeline.physics.held import STEP_AND_WAIT_S, dwells, slewed, trailed
 from pipeline.physics.motion import Motion
 from pipeline.physics.tabled import inlined
 from pipeline.physics.term import Parameter, Surroundings, Term
@@ -189,7 +189,10 @@ class ResponseLag(Term):
         return self.form in FIRST_ORDER and super().void(values)
 
     def excited(self, motion: Motion, around: Surroundings) -> bool:
+        """Form "running" where a drive is sampled too often to step and wait."""
         moves = around.drive_span > 0.0 and around.dwell_s > 0.0
+        if self.form == "running":
+            return moves and around.dwell_s < STEP_AND_WAIT_S
         if self.form != "slewing":
             return moves
         jumps = np.abs(np.diff(motion.drive)) > JUMP * around.drive_span

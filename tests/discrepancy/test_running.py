@@ -16,7 +16,7 @@ from pipeline.recording import Recording
 from tests.discrepancy.made import ANGLE, CHANNELS, SIMULATED, explained, recorded
 
 CURVE = CubicCurve(0.7, 6e-5)
-SIZES, DWELLS = (50.0, 30.0, 42.0, 24.0), (0.4, 1.2, 0.4, 0.8)
+SIZES, DWELLS = (50.0, 30.0, 42.0, 24.0), (0.2, 0.6, 0.2, 0.4)
 
 
 def driven(cycles: int = 8, steps: int = 100) -> Motion:
@@ -50,10 +50,10 @@ def measured(key: str, values: list[float], noise: float = 0.1, seed: int = 5) -
 @pytest.mark.parametrize(
     ("key", "values"),
     [
-        ("response_lag/running", [0.3]),
-        ("creep/running", [0.2, 1.5]),
-        ("creep/wire", [0.25, 4.0, 1.0, 0.0]),
-        ("creep/wire", [0.25, 40.0, 1.0, 30.0]),
+        ("response_lag/running", [0.15]),
+        ("creep/running", [0.2, 0.75]),
+        ("creep/wire", [0.25, 2.0, 1.0, 0.0]),
+        ("creep/wire", [0.25, 20.0, 1.0, 30.0]),
         ("friction/driven asymmetric", [5.0, 12.0, 1.0, 0.35]),
         ("compliance/driven", [0.3, 12.0, 2.0, 0.0]),
         ("tension_loss/cycle", [0.5, 0.6]),
@@ -93,5 +93,15 @@ def test_where_one_bend_could_stand_for_a_contact_each_could():
 
 
 def test_an_old_frame_is_no_lag_of_a_command_that_may_have_run_on():
-    best = explained(measured("frame_lag/time", [0.05])).choices[0]
+    best = explained(measured("frame_lag/time", [0.025])).choices[0]
     assert best.fit.names == ("frame_lag",)
+
+
+@pytest.mark.parametrize(
+    ("recording", "runs"), [(recorded({}), False), (measured("creep/running", [0.2, 0.75]), True)]
+)
+def test_a_robot_that_is_sampled_every_few_seconds_steps_and_waits(recording, runs):
+    terms = explained(recording).search.terms
+    assert {("response_lag", "running"), ("creep", "running")}.isdisjoint(
+        {(t.name, t.form) for t in terms}
+    ) == (not runs)
