@@ -12,7 +12,7 @@ from pipeline.discrepancy.problem.problem import Problem
 from pipeline.discrepancy.search.choose import Choice
 from pipeline.physics.backlash import Backlash
 from pipeline.physics.catalogue import terms
-from pipeline.physics.compliance import Compliance
+from pipeline.physics.compliance import OFF_HOME, Compliance
 from pipeline.physics.contact import Contact
 from pipeline.physics.friction import Friction
 from pipeline.physics.mechanism import Piece
@@ -29,6 +29,7 @@ DISGUISES = {
     "slack": "compliance",
     "compliance": "slack",
 }
+LOOSENING = ("wire", OFF_HOME)
 SHAPES = 2
 TEMPERATURE = 2.0
 BENDS = frozenset({"camera_tilt", "lens_distortion", "compliance", "gravity"})
@@ -131,11 +132,7 @@ def plainly(fit: Fit) -> list[str]:
             hidden = bool(piece.values[0] ** 2 <= worth * size)
         elif isinstance(piece.term, Friction):
             hidden = sharp(fit, i)
-        elif isinstance(piece.term, Compliance) and piece.term.form not in (
-            "joint",
-            "toe",
-            "driven",
-        ):
+        elif isinstance(piece.term, Compliance) and piece.term.form in LOOSENING:
             reach, stretch, stiffness = piece.values[1:4]
             step = where_acting(fit.ground.problem.around.step, fit, piece.term)
             hidden = bool(reach * stiffness / (stiffness + stretch) < step)
