@@ -21,6 +21,7 @@ class Drift(Term):
     name = "drift"
     site = "sensor"
     adds = True
+    slow = True
     says = "The zero wanders while it runs."
 
     def __init__(self, form: str = "linear") -> None:

@@ -22,6 +22,7 @@ class LostSteps(Term):
     name = "lost_steps"
     site = "actuator"
     before_curve = True
+    slow = True
     grows: ClassVar = {"once": ("twice",)}
     says = "The shaft slipped by {jump} at {time}, and its zero has been off since."
     says_twice = "The shaft slipped by {jump} at {time} and by {jump_2} at {time_2}."

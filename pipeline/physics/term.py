@@ -94,6 +94,7 @@ class Term:
     grows: for a form, those that hold more of the real thing; their first parameters are the same.
     far_apart: whether a start says little of where a fit from it ends, until it has gone some way.
     holds: whether it keeps the joint where other terms of the balance would move it.
+    slow: whether it moves the zero while all else stays, as noise that wanders does.
     only_held: whether a form differs from its kin only beside what holds the joint.
     own_law: whether a form bends otherwise than the plainer one whose parameters it has: a fit of
     that is one more place to begin from, not the only one.
@@ -104,6 +105,7 @@ class Term:
     before_curve: bool = False
     in_balance: bool = False
     holds: ClassVar[bool] = False
+    slow: ClassVar[bool] = False
     only_held: bool = False
     own_law: bool = False
     adds: bool = False

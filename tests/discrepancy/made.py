@@ -6,8 +6,12 @@ import numpy as np
 import pandas as pd
 
 from pipeline.config import DiagnosisConfig
+from pipeline.discrepancy.fitting.screen import effects_of
 from pipeline.discrepancy.model.result import DiagnosisResult, Estimate
-from pipeline.discrepancy.problem.problem import pose_problem
+from pipeline.discrepancy.noise.family import noise_family
+from pipeline.discrepancy.noise.learning import NoisePrior
+from pipeline.discrepancy.problem.problem import Problem, pose_problem
+from pipeline.discrepancy.search.choose import Choice, Search
 from pipeline.discrepancy.search.explain import Explanation, explain
 from pipeline.physics.catalogue import term
 from pipeline.physics.kinematics import CubicCurve
@@ -87,8 +91,25 @@ def recorded(
 
 def explained(recording: Recording) -> Explanation:
     """What explains the angle of such a recording."""
-    simulated = recording.values(SIMULATED)
-    return explain(pose_problem(DiagnosisConfig(), recording, ANGLE, simulated))
+    return explain(posed(recording))
+
+
+def posed(recording: Recording) -> Problem:
+    """The problem that such a recording's angle poses."""
+    return pose_problem(DiagnosisConfig(), recording, ANGLE, recording.values(SIMULATED))
+
+
+def explanation_of(choices: list[Choice], *, repeats: int = 0, strain: float = 0.0) -> Explanation:
+    """These choices of one ground as an explanation, which could not search for others.
+
+    repeats: how many cycles its noise was learnt from. strain: what these have against any noise.
+    """
+    ground = choices[0].fit.ground
+    prior = NoisePrior(ground.noise, repeats, 0.1, ())
+    family = noise_family(prior, ground.problem, ground.used)
+    family = replace(family, strain=np.full_like(family.strain, strain))
+    search = Search((), effects_of(ground.problem, ()), family)
+    return Explanation(ground.problem, prior, search, choices, ~ground.used, ground.used)
 
 
 def diagnosed(recording: Recording) -> DiagnosisResult:

@@ -1,7 +1,6 @@
 """Fits: recovery, intervals that cover, ties, outliers."""
 
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -20,8 +19,7 @@ from pipeline.discrepancy.problem.thinning import sparser, thinned
 from pipeline.discrepancy.search.explain import explain
 from pipeline.physics.catalogue import term
 from pipeline.physics.mechanism import Piece
-from pipeline.physics.term import Surroundings
-from tests.discrepancy.made import NOISE, recorded
+from tests.discrepancy.made import NOISE, posed, recorded
 
 HIDDEN = {"backlash": {"width": 4.0}, "transmission_ripple": {"amplitude": 1.0, "period": 20.0}}
 BEGUN = (
@@ -31,10 +29,7 @@ BEGUN = (
 
 
 def fitted(seed: int, hidden=HIDDEN, begun=BEGUN, **how):
-    recording = recorded(hidden, seed=seed, **how)
-    problem = pose_problem(
-        DiagnosisConfig(), recording, "pitch_angle_deg", recording.values("pitch_angle_sim_deg")
-    )
+    problem = posed(recorded(hidden, seed=seed, **how))
     return improve(evaluate(ground_of(problem, NoiseModel(NOISE), problem.train), begun), 30)
 
 
@@ -150,9 +145,7 @@ def test_a_static_simulation_is_told_from_a_dynamic_one():
 
 def test_long_recordings_are_thinned_at_their_reversals_and_say_so():
     recording = recorded({}, cycles=120)
-    problem = pose_problem(
-        DiagnosisConfig(), recording, "pitch_angle_deg", recording.values("pitch_angle_sim_deg")
-    )
+    problem = posed(recording)
     small, every = thinned(problem)
     assert every == 5
     assert len(small.motion) < 6000
@@ -161,9 +154,7 @@ def test_long_recordings_are_thinned_at_their_reversals_and_say_so():
 
 def test_a_search_takes_few_of_the_samples_behind_its_rows_and_the_last_fit_all():
     recording = recorded({"backlash": {"width": 4.0}}, cycles=150)
-    problem = pose_problem(
-        DiagnosisConfig(), recording, "pitch_angle_deg", recording.values("pitch_angle_sim_deg")
-    )
+    problem = posed(recording)
     small = thinned(problem)[0]
     sparse = sparser(small)
     assert small.picked
@@ -179,9 +170,7 @@ def test_cycles_still_repeat_in_a_thinned_recording_with_lost_frames():
     recording = recorded({}, cycles=30)
     lost = np.random.default_rng(0).random(len(recording.samples)) < 0.03
     recording.samples.loc[lost, "pitch_angle_deg"] = np.nan
-    problem = pose_problem(
-        DiagnosisConfig(), recording, "pitch_angle_deg", recording.values("pitch_angle_sim_deg")
-    )
+    problem = posed(recording)
     small, every = thinned(problem)
     assert every == 2
     assert learn_noise(small).repeats == 20
@@ -210,10 +199,10 @@ def test_play_answers_in_thinned_rows_as_in_all():
 
 def test_an_offset_is_judged_where_the_simulation_moves():
     """A line of gain 0.4 through pulls of 95 to 105 N stands 60 N off where nothing pulls."""
-    around = Surroundings(angle_low=98.0, angle_span=4.0, angle_unit="N")
-    problem = SimpleNamespace(
-        around=around, tolerance=ToleranceConfig(gain=3.0, offset=2.0), derivatives=None
-    )
-    ground = SimpleNamespace(problem=problem)
-    assert absurd_calibration(SimpleNamespace(ground=ground, nuisance=(2.5, -150.0))) is None
-    assert "offset" in absurd_calibration(SimpleNamespace(ground=ground, nuisance=(1.0, -50.0)))
+    problem = posed(recorded({}))
+    around = replace(problem.around, angle_low=98.0, angle_span=4.0, angle_unit="N")
+    tolerance = ToleranceConfig(gain=3.0, offset=2.0)
+    problem = replace(problem, around=around, tolerance=tolerance)
+    fit = evaluate(ground_of(problem, NoiseModel(NOISE), problem.train), ())
+    assert absurd_calibration(replace(fit, nuisance=np.array([2.5, -150.0]))) is None
+    assert "offset" in absurd_calibration(replace(fit, nuisance=np.array([1.0, -50.0])))

@@ -11,7 +11,6 @@ from pipeline.discrepancy.fitting.fit import evaluate, ground_of, improve
 from pipeline.discrepancy.model.model import ModelError, as_json, from_json
 from pipeline.discrepancy.noise.noise import NoiseModel
 from pipeline.discrepancy.problem.inputs import input_shares, said_shares
-from pipeline.discrepancy.problem.problem import pose_problem
 from pipeline.physics.coupling import Coupling
 from pipeline.physics.kinematics import CubicCurve
 from pipeline.physics.mechanism import Mechanism, Piece
@@ -20,7 +19,7 @@ from pipeline.physics.response_lag import ResponseLag
 from pipeline.recording import Recording
 from pipeline.stages.diagnosis import diagnose
 from pipeline.stages.prediction import predict
-from tests.discrepancy.made import CHANNELS, NOISE, recorded
+from tests.discrepancy.made import CHANNELS, NOISE, posed, recorded
 
 ANGLE, SIMULATED, YAW = "pitch_angle_deg", "pitch_angle_sim_deg", "yaw_command_deg"
 
@@ -121,7 +120,7 @@ def swinging(keep: np.ndarray, jitter: float) -> Recording:
 def test_a_swing_is_the_same_whether_sampled_evenly_or_not(share, jitter):
     keep = np.random.default_rng(3).uniform(size=900) < share
     recording = swinging(keep, jitter)
-    problem = pose_problem(DiagnosisConfig(), recording, ANGLE, recording.values(SIMULATED))
+    problem = posed(recording)
     ground = ground_of(problem, NoiseModel(0.05), problem.train)
     physics = ResponseLag("second")
     starts = physics.candidates(problem.motion, problem.around)

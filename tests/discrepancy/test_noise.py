@@ -4,18 +4,11 @@ import numpy as np
 import pytest
 from scipy.stats import multivariate_normal
 
-from pipeline.config import DiagnosisConfig
 from pipeline.discrepancy.noise.family import WALKS, noise_family
 from pipeline.discrepancy.noise.learning import NoisePrior, fit_noise, learn_noise, unmistaken
 from pipeline.discrepancy.noise.noise import NoiseModel
-from pipeline.discrepancy.problem.problem import Problem, pose_problem
 from pipeline.recording import Recording
-from tests.discrepancy.made import NOISE, recorded
-
-
-def posed(recording: Recording) -> Problem:
-    simulated = recording.values("pitch_angle_sim_deg")
-    return pose_problem(DiagnosisConfig(), recording, "pitch_angle_deg", simulated)
+from tests.discrepancy.made import NOISE, posed, recorded
 
 
 def covariance(model: NoiseModel, cycle: np.ndarray, stands: np.ndarray) -> np.ndarray:

@@ -1,12 +1,11 @@
 """What held-out rows, and rows beyond the commands fitted, say against an explanation."""
 
-from types import SimpleNamespace
-
 import numpy as np
 import pandas as pd
 import pytest
 
 from pipeline.config import DiagnosisConfig
+from pipeline.discrepancy.fitting.fit import evaluate, ground_of
 from pipeline.discrepancy.judgement.proof import (
     BEYOND,
     HELDOUT,
@@ -18,7 +17,11 @@ from pipeline.discrepancy.judgement.proof import (
 )
 from pipeline.discrepancy.noise.noise import NoiseModel
 from pipeline.discrepancy.problem.problem import Problem, pose_problem
+from pipeline.discrepancy.search.choose import Choice
+from pipeline.physics.catalogue import term
+from pipeline.physics.mechanism import Piece
 from pipeline.recording import Channel, Recording, with_context
+from tests.discrepancy.made import explanation_of
 
 ROWS = 900
 NOISE, WALK = NoiseModel(white=0.2), NoiseModel(white=0.2, walk=0.1)
@@ -89,10 +92,10 @@ def test_what_lies_beyond_the_commands_fitted_refutes_nothing_and_is_said():
     ],
 )
 def test_only_repeats_witness_that_a_zero_walks(pieces, repeats, noise, strain, said):
-    fit = SimpleNamespace(ground=SimpleNamespace(noise=noise), pieces=(None,) * pieces)
-    prior = SimpleNamespace(repeats=repeats, model=noise, sure=0.1)
-    family = SimpleNamespace(prior=prior, strained=lambda place: strain)
-    explanation = SimpleNamespace(prior=prior, search=SimpleNamespace(family=family))
-    choice = SimpleNamespace(fit=fit, place=(0, 0, 7))
+    problem = posed()
+    ground = ground_of(problem, noise, problem.train)
+    play = Piece(term("backlash"), np.array([1.0]))
+    choice = Choice(evaluate(ground, [play] * pieces), (0, 0, 7), 0.0)
+    explanation = explanation_of([choice], repeats=repeats, strain=strain)
     assert taken_for_a_walk(explanation, choice, np.full(ROWS, 0.6)) == said
     assert taken_for_a_walk(explanation, choice, np.full(ROWS, 0.3)) is None

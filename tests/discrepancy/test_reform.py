@@ -3,22 +3,19 @@
 import numpy as np
 import pytest
 
-from pipeline.config import DiagnosisConfig
 from pipeline.discrepancy.fitting.fit import evaluate, ground_of, improve
 from pipeline.discrepancy.fitting.reform import reformed
 from pipeline.discrepancy.noise.noise import NoiseModel
-from pipeline.discrepancy.problem.problem import pose_problem
 from pipeline.physics.catalogue import term
 from pipeline.physics.mechanism import Piece
-from tests.discrepancy.made import recorded
+from tests.discrepancy.made import posed, recorded
 
 QUIET = 0.05
 
 
 def ground_with(hidden):
     recording = recorded(hidden, noise=QUIET)
-    simulated = recording.values("pitch_angle_sim_deg")
-    problem = pose_problem(DiagnosisConfig(), recording, "pitch_angle_deg", simulated)
+    problem = posed(recording)
     return ground_of(problem, NoiseModel(QUIET, 0.0, 0.0), problem.train)
 
 

@@ -5,11 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pipeline.config import DiagnosisConfig
 from pipeline.discrepancy.fitting.fit import Ground, evaluate, ground_of, improve
 from pipeline.discrepancy.model.intervals import covariance_of
 from pipeline.discrepancy.noise.noise import NoiseModel
-from pipeline.discrepancy.problem.problem import pose_problem
 from pipeline.discrepancy.search.choose import Choice
 from pipeline.discrepancy.search.ties import (
     first_step,
@@ -21,14 +19,13 @@ from pipeline.discrepancy.search.ties import (
 )
 from pipeline.physics.catalogue import term
 from pipeline.physics.mechanism import Piece
-from tests.discrepancy.made import NOISE, recorded
+from tests.discrepancy.made import NOISE, posed, recorded
 
 
 @pytest.fixture(scope="module")
 def ground() -> Ground:
     recording = recorded({"backlash": {"width": 2.0}})
-    simulated = recording.values("pitch_angle_sim_deg")
-    problem = pose_problem(DiagnosisConfig(), recording, "pitch_angle_deg", simulated)
+    problem = posed(recording)
     return ground_of(problem, NoiseModel(NOISE, 0.0, 0.0), problem.train)
 
 
@@ -101,8 +98,7 @@ def test_friction_sharper_than_a_step_may_be_what_looks_like_play(ground, score,
 @pytest.mark.parametrize(("reach", "name"), [(0.1, "backlash"), (0.9, "friction")])
 def test_corners_within_a_step_are_sharp_unless_the_data_show_them_rounded(reach, name):
     recording = recorded({"friction": {"width": 2.0, "reach": reach, "spread": 0.0}}, noise=0.05)
-    simulated = recording.values("pitch_angle_sim_deg")
-    problem = pose_problem(DiagnosisConfig(), recording, "pitch_angle_deg", simulated)
+    problem = posed(recording)
     seen = ground_of(problem, NoiseModel(0.05, 0.0, 0.0), problem.train)
     fit = improve(evaluate(seen, [Piece(term("friction"), np.array([2.0, reach, 0.0]))]))
     step = where_acting(first_step(problem.motion.drive), fit, term("friction"))

@@ -11,11 +11,10 @@ from pipeline.discrepancy.fitting.fit import evaluate, ground_of
 from pipeline.discrepancy.model.model import as_json, from_json
 from pipeline.discrepancy.model.zero import zero_at_end
 from pipeline.discrepancy.noise.noise import NoiseModel
-from pipeline.discrepancy.problem.problem import pose_problem
 from pipeline.recording import Recording
 from pipeline.stages.diagnosis import diagnose
 from pipeline.stages.prediction import predict
-from tests.discrepancy.made import NOISE, recorded
+from tests.discrepancy.made import NOISE, posed, recorded
 
 NAME = "pitch_angle_deg"
 STEP = 0.05 * NOISE
@@ -30,8 +29,7 @@ def walking(cycles: int) -> Recording:
 
 def test_the_zero_is_that_of_the_full_covariance():
     recording = walking(6)
-    simulated = recording.values("pitch_angle_sim_deg")
-    problem = pose_problem(DiagnosisConfig(), recording, NAME, simulated)
+    problem = posed(recording)
     noise = NoiseModel(0.1, 0.15, 0.6, 0.05, STEP)
     used = np.flatnonzero(problem.train)
     fit = evaluate(ground_of(problem, noise, problem.train), ())

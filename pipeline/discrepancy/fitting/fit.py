@@ -163,6 +163,11 @@ class Fit:
     def names(self) -> tuple[str, ...]:
         return tuple(p.term.name for p in self.pieces)
 
+    @property
+    def slow(self) -> frozenset[str]:
+        """The names of its terms that move the zero."""
+        return frozenset(p.term.name for p in self.pieces if p.term.slow)
+
     @cached_property
     def predicted(self) -> np.ndarray:
         """The measurement that the fit expects in each row, (n,)."""

@@ -5,7 +5,7 @@ from scipy.stats import chi2, f
 
 from pipeline.discrepancy.model.result import Estimate, Evidence, NamedPhysics
 from pipeline.discrepancy.problem.problem import Problem
-from pipeline.discrepancy.search.choose import SLOW, Choice
+from pipeline.discrepancy.search.choose import Choice
 from pipeline.number_words import worded
 from pipeline.physics.drift import Drift
 from pipeline.physics.lost_steps import LostSteps
@@ -19,7 +19,7 @@ OR_SLIPPED = " It stands at two levels, one after the other: one slip in between
 def wanders_by_cycle(choice: Choice) -> bool:
     """Whether each cycle's zero surely jitters by more than the noise; nothing slow is named."""
     noise = choice.fit.ground.noise
-    if noise.jitter == 0.0 or set(choice.fit.names) & set(SLOW):
+    if noise.jitter == 0.0 or choice.fit.slow:
         return False
     means = zeros_of(choice)
     return len(means) >= FEWEST_CYCLES and deviation_of(means)[1] > noise.deviation

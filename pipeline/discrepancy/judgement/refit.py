@@ -9,8 +9,9 @@ from pipeline.discrepancy.fitting.moments import moments, moments_of, moved, set
 from pipeline.discrepancy.model.intervals import moment_interval, undated
 from pipeline.discrepancy.problem.outliers import isolated
 from pipeline.discrepancy.problem.problem import Problem
-from pipeline.discrepancy.search.choose import SLOW, Choice
+from pipeline.discrepancy.search.choose import Choice
 from pipeline.discrepancy.search.explain import INCREDIBLE, Explanation, settled_rows
+from pipeline.discrepancy.search.ties import names
 
 COARSE = 8
 
@@ -20,8 +21,8 @@ def likeliest(explanation: Explanation, choice: Choice) -> Choice:
 
     A zero that may as well wander by chance is not named; it goes on as it most likely does.
     """
-    quiet = set(choice.fit.names) - set(SLOW)
-    alike = [c for c in explanation.choices if set(c.fit.names) - set(SLOW) == quiet]
+    quiet = names(choice) - choice.fit.slow
+    alike = [c for c in explanation.choices if names(c) - c.fit.slow == quiet]
     return min([choice, *alike], key=lambda c: c.score)
 
 

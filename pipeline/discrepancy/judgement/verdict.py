@@ -7,7 +7,7 @@ import numpy as np
 from pipeline.discrepancy.fitting.calibration import FAR_OFF
 from pipeline.discrepancy.fitting.fit import evaluate, improve
 from pipeline.discrepancy.judgement.rest import structured_rest
-from pipeline.discrepancy.search.choose import SLOW, Choice, wanders
+from pipeline.discrepancy.search.choose import Choice, wanders
 from pipeline.discrepancy.search.explain import Explanation
 from pipeline.discrepancy.search.ties import names
 
@@ -40,9 +40,9 @@ def sure_of_slow(explanation: Explanation, best: Choice) -> Choice:
 
     Where cycles repeat, such a zero is nothing to be named: the odds against it must be 2 to 1.
     """
-    quiet = {n for n in best.fit.names if n not in SLOW}
-    if explanation.prior.repeats == 0 or len(quiet) == len(names(best)):
+    if explanation.prior.repeats == 0 or not best.fit.slow:
         return best
+    quiet = names(best) - best.fit.slow
     fewer_slow = [c for c in explanation.choices if quiet <= names(c) < names(best)]
     rivals = [c for c in fewer_slow if wanders(c.place)]
     rival = min(rivals, key=lambda c: c.score, default=best)

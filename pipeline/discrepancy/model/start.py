@@ -9,7 +9,6 @@ import numpy as np
 from pipeline.physics.mechanism import Mechanism, State
 from pipeline.physics.motion import Kinetics, Motion
 
-OF_THE_CLOCK = ("drift",)
 MOST_ROWS = 2000
 
 
@@ -105,7 +104,8 @@ def _led(mechanism: Mechanism, motion: Motion, known: End, begin: float) -> Stat
         kinetics=_steady(motion.kinetics, (to - begin) / rows / dwell_s, still),
     )
     after = mechanism.respond(before)[1]
-    return {name: own for name, own in after.items() if name not in OF_THE_CLOCK}
+    of_the_clock = {p.term.name for p in mechanism.pieces if p.term.slow}
+    return {name: own for name, own in after.items() if name not in of_the_clock}
 
 
 def _steady(kinetics: Kinetics | None, speed: float, still: np.ndarray) -> Kinetics | None:

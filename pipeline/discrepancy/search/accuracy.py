@@ -8,7 +8,7 @@ from pipeline.discrepancy.fitting.calibration import with_smooth_error
 from pipeline.discrepancy.fitting.fit import Ground, evaluate
 from pipeline.discrepancy.noise.force_noise import LEAST_SPELL, spell_of
 from pipeline.discrepancy.noise.noise import NoiseModel
-from pipeline.discrepancy.search.choose import SLOW, Choice, Search, extended
+from pipeline.discrepancy.search.choose import Choice, Search, extended
 from pipeline.discrepancy.search.foretold import error_ahead, parts_of
 
 BETTER, NEARLY = 0.9, 0.9
@@ -46,7 +46,7 @@ def hidden(search: Search, choice: Choice) -> tuple[str, float, float] | None:
     """
     parts = parts_of(choice.fit.ground)
     without = error_ahead(choice, parts)
-    children = [c for c in extended(search, choice) if not set(c.fit.names) & set(SLOW)]
+    children = [c for c in extended(search, choice) if not c.fit.slow]
     errors = [
         error_ahead(replace(choice, fit=evaluate(choice.fit.ground, c.fit.pieces)), parts)
         for c in children

@@ -35,7 +35,6 @@ FAINT, BEHIND = 15.0, 0.5
 
 T = TypeVar("T")
 Place = tuple[int, int, int]
-SLOW = ("lost_steps", "drift")
 
 
 @dataclass(frozen=True)
@@ -130,7 +129,7 @@ class Search:
 
         A zero that wanders by more than the noise is one.
         """
-        if place[2] == 0 or self.family.prior.repeats > 0 or set(fit.names) & set(SLOW):
+        if place[2] == 0 or self.family.prior.repeats > 0 or fit.slow:
             return False
         residual = (fit.ground.problem.measured - fit.predicted)[fit.ground.used]
         return bool(np.var(residual) > 2.0 * fit.ground.noise.deviation**2)
@@ -235,7 +234,7 @@ def extended(
                 trial = improve(trial, 6)
             if trial.key not in found or trial.cost < found[trial.key].cost:
                 found[trial.key] = trial
-    slow = [t for t in terms if t.name in SLOW]
+    slow = [t for t in terms if t.slow]
     late: list[Fit] = []
     if wanders(parent.place) and slow:
         still = search.stilled(parent.fit, parent.place, 4)[0]

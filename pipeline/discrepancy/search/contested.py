@@ -6,7 +6,6 @@ from dataclasses import replace
 from pipeline.discrepancy.fitting.fit import evaluate, improve
 from pipeline.discrepancy.search.choose import (
     LEAST_GAIN,
-    SLOW,
     Choice,
     Search,
     best_of_each,
@@ -52,7 +51,7 @@ def levelled(search: Search, choices: Sequence[Choice]) -> list[Choice]:
     best, found = choices[0], list(choices)
     near = [c for c in by_names(list(choices)) if c.score < best.score + FAR]
     near = [c for c in near if len(names(c) ^ names(best)) == 2]
-    for rival in [c for c in near if not (names(c) - names(best)) & set(SLOW)][:MOST]:
+    for rival in [c for c in near if c.fit.slow <= names(best)][:MOST]:
         shared = [p for p in best.fit.pieces if p.term.name in names(rival)]
         own = [p for p in rival.fit.pieces if p.term.name not in names(best)]
         taken = evaluate(best.fit.ground, (*shared, *own))

@@ -18,7 +18,6 @@ from pipeline.discrepancy.search.alone import alone
 from pipeline.discrepancy.search.choose import (
     LEAST_GAIN,
     SAME,
-    SLOW,
     Choice,
     Search,
     best_of_each,
@@ -182,9 +181,9 @@ def with_slow_terms(search: Search, choices: Sequence[Choice]) -> list[Choice]:
 
     Without repeats, noise that varies slowly hides slow changes.
     """
-    slow = replace(search, terms=tuple(t for t in search.terms if t.name in SLOW))
+    slow = replace(search, terms=tuple(t for t in search.terms if t.slow))
     found = {c.fit.key: c for c in choices}
-    still = [c for c in choices if not set(c.fit.names) & set(SLOW)]
+    still = [c for c in choices if not c.fit.slow]
     for parent in sorted(still, key=lambda c: c.score)[:1]:
         for child in extended(slow, parent, skip=found):
             found[child.fit.key] = child

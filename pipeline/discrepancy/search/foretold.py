@@ -7,7 +7,7 @@ import numpy as np
 
 from pipeline.discrepancy.fitting.charge import complexity, independent
 from pipeline.discrepancy.fitting.fit import Fit, Ground, evaluate, improve
-from pipeline.discrepancy.search.choose import SLOW, Choice
+from pipeline.discrepancy.search.choose import Choice
 from pipeline.discrepancy.search.ties import TIE, names
 from pipeline.physics.lost_steps import LostSteps
 from pipeline.physics.mechanism import Piece
@@ -69,11 +69,10 @@ def least_errors(choices: Sequence[Choice], errors: np.ndarray) -> np.ndarray:
     ahead are a part of those that they know, and would count twice. But noise that walks foretells
     nothing: a slow name more may be what it hides.
     """
-    own = [names(choice) for choice in choices]
     least = []
     for choice in choices:
-        hidden = frozenset(SLOW) if choice.place[2] > 0 else frozenset()
-        fair = [len(other - hidden) <= len(names(choice)) for other in own]
+        walks, most = choice.place[2] > 0, len(names(choice))
+        fair = [len(names(c) - c.fit.slow if walks else names(c)) <= most for c in choices]
         least.append(float(errors[fair].min()))
     return np.array(least)
 
