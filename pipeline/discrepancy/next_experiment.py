@@ -108,7 +108,7 @@ def separate(
     hopeful = np.max([w.power for w in weighed], axis=0) >= HOPELESS
     alike = [pair for pair, hope in zip(pairs, hopeful, strict=True) if not hope]
     if not np.any(hopeful):
-        return Proposal(f"no motion within the recorded range would separate {told_apart(rivals)}: "
+        return Proposal(f"no motion within the recorded range would {told_apart(rivals)}: "
                         + why_alike(rivals), None, 0.0)  # fmt: skip
     best = choice_of(weighed, hopeful)
     if best.power[hopeful].min() < ENOUGH_POWER:
@@ -118,12 +118,12 @@ def separate(
     unit = evidence.recording.channel(evidence.measurement).unit
     who = told_apart_pairs(apart) if alike else told_apart(rivals)
     why = (
-        f"would separate {who}: {best.block.says}, {length(best.minutes)}. "
+        f"would {who}: {best.block.says}, {length(best.minutes)}. "
         f"They would differ by {rms:.2g} {unit} there (noise {evidence.noise.deviation:.2g} "
         f"{unit}), which decides with a probability of {min(power, 0.99):.2f}"
     )
     if alike:
-        why += f". No motion would separate {told_apart_pairs(alike)}"
+        why += f". No motion would {told_apart_pairs(alike)}"
     return Proposal(why, drive.table(best.block), power)
 
 
@@ -317,10 +317,17 @@ def choice_of(weighed: Sequence[Weighed], pairs: np.ndarray) -> Weighed:
 
 
 def told_apart(rivals: Sequence[Hypothesis]) -> str:
-    """`backlash from friction`: the names in which rivals differ."""
+    """`separate backlash from friction`: the names in which rivals differ.
+
+    `show whether friction is there, too` of two, where one has only more names.
+    """
     shared = set.intersection(*(set(r.names) for r in rivals))
-    own = [" with ".join(sorted(set(r.names) - shared)) or "nothing" for r in rivals]
-    return " from ".join([own[0], " and ".join(dict.fromkeys(own[1:]))])
+    own = list(dict.fromkeys(" with ".join(sorted(set(r.names) - shared)) for r in rivals))
+    first, *others = own
+    if len(own) == 2 and "" in own:
+        return f"show whether {first or others[0]} is there, too"
+    rest = " and ".join(other or "nothing" for other in others or own)
+    return f"separate {first or 'nothing'} from {rest}"
 
 
 def told_apart_pairs(pairs: Sequence[tuple[Hypothesis, Hypothesis]]) -> str:
@@ -329,7 +336,7 @@ def told_apart_pairs(pairs: Sequence[tuple[Hypothesis, Hypothesis]]) -> str:
     together = [other for one, other in pairs if one is first]
     rest = [pair for pair in pairs if pair[0] is not first]
     words = told_apart([first, *together])
-    return f"{words}, {told_apart_pairs(rest)}" if rest else words
+    return f"{words}, {told_apart_pairs(rest).removeprefix('separate ')}" if rest else words
 
 
 def why_alike(rivals: Sequence[Hypothesis]) -> str:

@@ -14,6 +14,7 @@ from pipeline.physics.motion import Motion
 from pipeline.recording import Channel, Recording, with_context
 from tests.discrepancy.made import (
     ANGLE,
+    CHANNELS,
     NOISE,
     SIMULATED,
     changed,
@@ -292,3 +293,14 @@ def test_a_lag_of_a_dense_recording_is_found_on_every_sample():
     (physics,) = result.diagnoses[0].physics
     assert "response_lag" in (physics.name, *physics.alternatives)
     assert result.diagnoses[0].after.heldout_rmse == pytest.approx(0.05, rel=0.05)
+
+
+def test_an_axis_that_moves_in_held_out_cycles_alone_could_not_be_seen_to_couple() -> None:
+    recording = recorded({"backlash": {"width": 6.0}}, two_axes=True)
+    still = recording.samples["cycle"] % 3 != 2
+    samples = recording.samples.assign(
+        yaw_command_deg=recording.samples["yaw_command_deg"].where(~still, 0.0)
+    )
+    found = diagnosed(Recording(samples, CHANNELS)).diagnoses[0]
+    assert "coupling" in found.not_excited
+    assert [p.name for p in found.physics] == ["backlash"]

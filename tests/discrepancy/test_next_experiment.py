@@ -277,3 +277,9 @@ def test_what_refitting_can_follow_does_not_separate() -> None:
     assert followed < 0.1
     assert bent > 5.0
     assert rms == pytest.approx(np.std(ramp**2), rel=0.05)
+
+
+def test_where_one_rival_has_only_more_names_the_question_is_whether_they_are_there() -> None:
+    """A rival whose superset is the one other: nothing is separated from nothing."""
+    found = proposed(rival(0.5, CREEP), rival(0.45, CREEP, BACKLASH))
+    assert found.why.startswith("would show whether backlash is there, too: usual cycles with ")

@@ -107,7 +107,13 @@ def sample_notes(problem: Problem) -> list[str]:
             f"{hung} of {len(problem.measured)} samples stand at one value while the motion went "
             "on, and then leap to where it is: the sensor hung, and they do not count."
         )
-    missing = int((~np.isfinite(problem.measured)).sum()) - again - hung
+    if problem.unsettled:
+        out.append(
+            f"{problem.unsettled} of {len(problem.measured)} samples come after a hole in time in "
+            f"which {problem.drive} went on and may have turned: they do not count until play and "
+            "friction have forgotten it."
+        )
+    missing = int((~np.isfinite(problem.measured)).sum()) - again - hung - problem.unsettled
     if missing:
         out.append(f"{missing} of {len(problem.measured)} samples were not measured.")
     return out

@@ -9,6 +9,7 @@ import numpy as np
 from pipeline.config import DiagnosisConfig, HeldoutConfig, ToleranceConfig
 from pipeline.discrepancy.problem.counts import uncounted
 from pipeline.discrepancy.problem.fitted import tolerance_of_fit
+from pipeline.discrepancy.problem.holes import unsettled_rows
 from pipeline.discrepancy.problem.line import line_in_a_command, own_commands
 from pipeline.discrepancy.problem.rough import unroughened
 from pipeline.discrepancy.problem.rows import Averaged, Picked
@@ -54,7 +55,8 @@ class Problem:
     recorded later than its motion. counted: the step of the encoder that counted the drive, see
     `counts.py`; rough: the noise of one that was measured, see `rough.py`; 0.0 of another. stale:
     which samples say again what the one before said. still: the simulation as it came, where that
-    does not move and a line in a command stands in its place.
+    does not move and a line in a command stands in its place. unsettled: how many measured samples
+    come after a hole and don't count, see `holes.py`.
     """
 
     motion: Motion
@@ -75,6 +77,7 @@ class Problem:
     rough: float = 0.0
     stale: StaleSamples = NONE_STALE
     still: np.ndarray | None = None
+    unsettled: int = 0
 
     @property
     def cycle(self) -> np.ndarray:
@@ -138,6 +141,8 @@ def pose_problem(
     refuse_unknown(measurement, known)
     refuse_still(measurement, measured[known], simulated[known])
     motion, curve, drive, static = driven_by(recording, measurement, simulated)
+    unsettled = unsettled_rows(motion.time_s, motion.drive) & known
+    measured, known = np.where(unsettled, np.nan, measured), known & ~unsettled
     heldout = held_out_rows(config.heldout, motion, known)
     train = known & ~heldout
     refuse_unfit(config.heldout, measurement, train, known & heldout)
@@ -160,6 +165,7 @@ def pose_problem(
     return Problem(
         motion, curve, measured, simulated, train, known & heldout, around, tolerance,
         drive, static, counted=counted, rough=rough, stale=stale, still=still,
+        unsettled=int(unsettled.sum()),
     )  # fmt: skip
 
 
@@ -328,7 +334,10 @@ def surroundings_of(
     static: bool,
     train: np.ndarray,
 ) -> Surroundings:
-    """The sizes that bound the terms' parameters; as measured where the simulation stands still."""
+    """The sizes that bound the terms' parameters; as measured where the simulation stands still.
+
+    An axis that moved in no row that may be fitted counts as one that never did.
+    """
     steps = np.abs(np.diff(motion.drive))
     step = float(np.median(steps[steps > 0])) if np.any(steps > 0) else 0.0
     unit = recording.channel(measurement).unit
@@ -348,6 +357,8 @@ def surroundings_of(
         travel=float(steps.sum()),
         drive_unit=recording.channel(drive).unit if static else unit,
         angle_unit=unit,
-        other_span={n: float(np.ptp(u)) for n, u in motion.others.items()},
+        other_span={
+            n: float(np.ptp(u)) if np.ptp(u[train]) > 0.0 else 0.0 for n, u in motion.others.items()
+        },
         other_unit={n: recording.channel(n).unit for n in motion.others},
     )
