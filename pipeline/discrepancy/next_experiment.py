@@ -12,8 +12,8 @@ from pipeline.discrepancy.blocks import Block, Habit, blocks, exploring, habit_o
 from pipeline.discrepancy.model.model import Hypothesis
 from pipeline.discrepancy.model.result import Evidence
 from pipeline.discrepancy.noise.noise import NoiseModel
-from pipeline.discrepancy.search.ties import BENDS
 from pipeline.number_words import worded
+from pipeline.physics.catalogue import BENDS
 from pipeline.physics.differentiation import differentiate
 from pipeline.physics.force_units import position_behind
 from pipeline.physics.frame_lag import FrameLag

@@ -87,6 +87,9 @@ def terms(other_commands: Iterable[str] = ()) -> tuple[Term, ...]:
     )
 
 
+BENDS = frozenset(t.name for t in terms() if t.group == BEND)
+
+
 def force_terms() -> tuple[Term, ...]:
     """Every term that a force measured against a position can show, as `terms` does for a chain.
 

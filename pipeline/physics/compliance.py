@@ -6,7 +6,8 @@ import numpy as np
 
 from pipeline.physics.balance import Load
 from pipeline.physics.motion import Motion
-from pipeline.physics.term import NO_STATE, Parameter, Surroundings, Term
+from pipeline.physics.slack import Slack
+from pipeline.physics.term import NO_STATE, Parameter, Shown, Surroundings, Term
 
 DRIVEN = "driven"
 
@@ -101,6 +102,16 @@ class Compliance(Term):
         off = signal - centre
         stretch = softness * off / (1.0 + np.abs(off / reach) ** abruptness) ** (1.0 / abruptness)
         return signal - stretch, NO_STATE
+
+    def plainer(self, values: np.ndarray, shown: Shown) -> str:
+        """Wire that gives way within less than a step and no more hung slack.
+
+        But not a toe, which hardens on the way.
+        """
+        if self.form not in ("wire", OFF_HOME):
+            return self.name
+        reach, stretch, stiffness = values[1:4]
+        return Slack.name if reach * stiffness / (stiffness + stretch) < shown.step else self.name
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
         half = 0.5 * around.angle_span

@@ -5,6 +5,7 @@ from typing import ClassVar
 import numpy as np
 
 from pipeline.physics.balance import Load
+from pipeline.physics.end_stop import EndStop
 from pipeline.physics.motion import Motion
 from pipeline.physics.term import Parameter, Surroundings, Term
 
@@ -57,9 +58,9 @@ class Contact(Term):
             return own
         return (*own, pretension(around, 1e-3))
 
-    def stiffest(self, values: np.ndarray) -> bool:
-        """Whether it is as stiff as a contact can be; what is stiffer is an end stop."""
-        return bool(values[0] >= STIFFEST)
+    def limit(self, values: np.ndarray) -> str:
+        """What is stiffer than a contact can be is an end stop."""
+        return EndStop.name if values[0] >= STIFFEST else ""
 
     def void(self, values: np.ndarray) -> bool:
         return bool(values[0] == 0.0 and (HARDENING not in self.form or values[3] == 0.0))

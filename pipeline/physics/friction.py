@@ -4,10 +4,11 @@ from typing import ClassVar
 
 import numpy as np
 
+from pipeline.physics.backlash import Backlash
 from pipeline.physics.balance import Load
 from pipeline.physics.motion import Motion
 from pipeline.physics.pre_sliding import ELEMENTS, WIDEST, dragging, reaches_of, weighted
-from pipeline.physics.term import Parameter, Surroundings, Term
+from pipeline.physics.term import Parameter, Shown, Surroundings, Term
 
 WRAPPED, ASYMMETRIC = "wrapped", "driven asymmetric"
 
@@ -32,6 +33,7 @@ class Friction(Term):
     name = "friction"
     site = "transmission"
     in_balance = True
+    mistaken_for = Backlash.name
     grows: ClassVar = {
         "symmetric": ("asymmetric", "bristle", "bristle asymmetric", "driven", WRAPPED),
         "driven": (ASYMMETRIC,),
@@ -92,6 +94,10 @@ class Friction(Term):
         share, state = dragging(signal, forward, release, state)
         share = weighted(share, asymmetry)
         return signal - 0.5 * width * share, state
+
+    def plainer(self, values: np.ndarray, shown: Shown) -> str:
+        """Backlash where the corners are surely sharp."""
+        return Backlash.name if shown.sharp(1) else self.name
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
         span = around.drive_span if self.before_curve else around.angle_span

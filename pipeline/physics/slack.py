@@ -6,7 +6,7 @@ import numpy as np
 
 from pipeline.physics.balance import Load
 from pipeline.physics.motion import Motion
-from pipeline.physics.term import Parameter, Surroundings, Term
+from pipeline.physics.term import Parameter, Shown, Surroundings, Term
 
 HOME, BEHIND = "home", "behind"
 
@@ -58,6 +58,10 @@ class Slack(Term):
                 for centre in np.linspace(-CENTRES, CENTRES, apart(width))
             ]
         )
+
+    def plainer(self, values: np.ndarray, shown: Shown) -> str:
+        """A width not worth a parameter is wire that gives way at first."""
+        return self.name if shown.worth(0) else "compliance"
 
     def excited(self, motion: Motion, around: Surroundings) -> bool:
         """Form "home" where the drive passes 0."""

@@ -6,8 +6,9 @@ import numpy as np
 from numba import njit
 
 from pipeline.number_words import worded
+from pipeline.physics.backlash import Backlash
 from pipeline.physics.motion import Motion
-from pipeline.physics.term import Parameter, Surroundings, Term
+from pipeline.physics.term import Parameter, Shown, Surroundings, Term
 
 SOONER = 0.5
 BESIDE = (-1.0, -0.5, 0.0, 0.5, 1.0)
@@ -132,6 +133,14 @@ class TensionLoss(Term):
         grown[:, 0] += grown[:, 1] / grown[:, 2]
         grown[:, 1] = 0.0
         return np.vstack([starts, grown])
+
+    def plainer(self, values: np.ndarray, shown: Shown) -> str:
+        """Backlash where the growth is not worth a parameter, the course that it takes known.
+
+        Of a growth that is none nothing can be learnt of its course (Davies, Biometrika 64 (1977)
+        247), and with both free a growth that is surely there looks as if it might not be.
+        """
+        return self.name if shown.worth(0, range(2, len(values))) else Backlash.name
 
     def excited(self, motion: Motion, around: Surroundings) -> bool:
         return around.cycles >= 2 and around.travel > 0.0

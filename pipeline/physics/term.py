@@ -1,8 +1,8 @@
 """A term: one piece of physics with named, bounded parameters that changes a signal."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import ClassVar
+from typing import ClassVar, Protocol
 
 import numpy as np
 
@@ -83,6 +83,22 @@ class Surroundings:
         return (self.end_s - self.start_s) / max(self.cycles, 1)
 
 
+class Shown(Protocol):
+    """What a recording shows of the parameters of one term that was fitted to it.
+
+    step: of the drive, where the term acts [its unit there].
+    """
+
+    @property
+    def step(self) -> float: ...
+
+    def worth(self, size: int, course: Sequence[int] = ()) -> bool:
+        """Whether a parameter tells anything, with those held, and charged, that only shape it."""
+
+    def sharp(self, reach: int) -> bool:
+        """Whether the corners that a parameter rounds are surely sharper than a step."""
+
+
 class Term:
     """One piece of physics; subclasses say what it does to a signal.
 
@@ -95,6 +111,7 @@ class Term:
     far_apart: whether a start says little of where a fit from it ends, until it has gone some way.
     holds: whether it keeps the joint where other terms of the balance would move it.
     slow: whether it moves the zero while all else stays, as noise that wanders does.
+    mistaken_for: the name of what may be this instead, if it looks like that in disguise.
     only_held: whether a form differs from its kin only beside what holds the joint.
     own_law: whether a form bends otherwise than the plainer one whose parameters it has: a fit of
     that is one more place to begin from, not the only one.
@@ -106,6 +123,7 @@ class Term:
     in_balance: bool = False
     holds: ClassVar[bool] = False
     slow: ClassVar[bool] = False
+    mistaken_for: ClassVar[str] = ""
     only_held: bool = False
     own_law: bool = False
     adds: bool = False
@@ -162,6 +180,14 @@ class Term:
     def void(self, values: np.ndarray) -> bool:
         """Whether this amounts to no such thing; the first parameter is the size unless said."""
         return bool(values[0] == 0.0)
+
+    def plainer(self, values: np.ndarray, shown: Shown) -> str:
+        """The name of what this amounts to in what is shown: its own, or one that it hides."""
+        return self.name
+
+    def limit(self, values: np.ndarray) -> str:
+        """The name of what this comes to where it can go no further; "" where it can."""
+        return ""
 
     def excited(self, motion: Motion, around: Surroundings) -> bool:
         """Whether this motion could show the term at all."""

@@ -9,6 +9,7 @@ from pipeline.discrepancy.fitting.fit import evaluate, improve
 from pipeline.discrepancy.problem.outliers import at_commands, returning
 from pipeline.discrepancy.search.choose import choose
 from pipeline.discrepancy.search.contested import contested, levelled, rival_names
+from pipeline.discrepancy.search.disguise import as_itself, undisguised
 from pipeline.discrepancy.search.explain import (
     fitted_with_all,
     plain_fit,
@@ -17,7 +18,6 @@ from pipeline.discrepancy.search.explain import (
     with_plain,
 )
 from pipeline.discrepancy.search.moves import loosened, stopped, tautened
-from pipeline.discrepancy.search.ties import as_itself, undisguised
 from pipeline.physics.catalogue import term
 from pipeline.physics.mechanism import Piece
 from tests.discrepancy.made import explained, recorded

@@ -7,7 +7,7 @@ import pytest
 
 from pipeline.discrepancy.model.result import VERDICTS
 from pipeline.discrepancy.problem.problem import DiagnosisError
-from pipeline.discrepancy.search.ties import BENDS
+from pipeline.physics.catalogue import BENDS
 from tests.discrepancy.made import ANGLE, NOISE, SIMULATED, changed, diagnosed, names, recorded
 
 

@@ -7,8 +7,8 @@ import pandas as pd
 import pytest
 
 from pipeline.discrepancy.fitting.fit import evaluate, improve
-from pipeline.discrepancy.search.ties import BENDS, standing
-from pipeline.physics.catalogue import term
+from pipeline.discrepancy.search.ties import standing
+from pipeline.physics.catalogue import BENDS, term
 from pipeline.physics.kinematics import CubicCurve
 from pipeline.physics.mechanism import Mechanism, Piece
 from pipeline.physics.motion import Motion

@@ -9,14 +9,14 @@ from pipeline.discrepancy.fitting.fit import Ground, evaluate, ground_of, improv
 from pipeline.discrepancy.model.intervals import covariance_of
 from pipeline.discrepancy.noise.noise import NoiseModel
 from pipeline.discrepancy.search.choose import Choice
-from pipeline.discrepancy.search.ties import (
+from pipeline.discrepancy.search.disguise import (
     first_step,
     plainly,
-    standing,
     undisguised,
     variance_given,
     where_acting,
 )
+from pipeline.discrepancy.search.ties import standing
 from pipeline.physics.catalogue import term
 from pipeline.physics.mechanism import Piece
 from tests.discrepancy.made import NOISE, posed, recorded

@@ -7,9 +7,8 @@ import numpy as np
 from pipeline.discrepancy.fitting.fit import evaluate, improve
 from pipeline.discrepancy.judgement.structure import structure_of
 from pipeline.discrepancy.judgement.verdict import mean_square
-from pipeline.discrepancy.search.choose import Choice
+from pipeline.discrepancy.search.choose import Choice, names
 from pipeline.discrepancy.search.explain import Explanation
-from pipeline.discrepancy.search.ties import names
 
 FAINTEST = 0.25
 BESIDE = 2

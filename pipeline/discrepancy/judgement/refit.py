@@ -9,9 +9,8 @@ from pipeline.discrepancy.fitting.moments import moments, moments_of, moved, set
 from pipeline.discrepancy.model.intervals import moment_interval, undated
 from pipeline.discrepancy.problem.outliers import isolated
 from pipeline.discrepancy.problem.problem import Problem
-from pipeline.discrepancy.search.choose import Choice
+from pipeline.discrepancy.search.choose import Choice, names
 from pipeline.discrepancy.search.explain import INCREDIBLE, Explanation, settled_rows
-from pipeline.discrepancy.search.ties import names
 
 COARSE = 8
 

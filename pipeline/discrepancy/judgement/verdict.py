@@ -7,9 +7,8 @@ import numpy as np
 from pipeline.discrepancy.fitting.calibration import FAR_OFF
 from pipeline.discrepancy.fitting.fit import evaluate, improve
 from pipeline.discrepancy.judgement.rest import structured_rest
-from pipeline.discrepancy.search.choose import Choice, wanders
+from pipeline.discrepancy.search.choose import Choice, names, wanders
 from pipeline.discrepancy.search.explain import Explanation
-from pipeline.discrepancy.search.ties import names
 
 ENOUGH = 0.7
 MOST_LEFT = 0.1

@@ -27,6 +27,7 @@ BEAM = 3
 BRANCHES = 7
 MOST_TERMS = 4
 LEAST_GAIN = 6.0
+TIE, RIVAL_GAP = 9.0, 14.0
 SAME = 1.0
 EARLIER = 6
 LAGGARD, CLEAR, HOPELESS = 0.3, 60.0, 0.1
@@ -133,6 +134,19 @@ class Search:
             return False
         residual = (fit.ground.problem.measured - fit.predicted)[fit.ground.used]
         return bool(np.var(residual) > 2.0 * fit.ground.noise.deviation**2)
+
+
+def names(choice: Choice) -> frozenset[str]:
+    """The names of its terms."""
+    return frozenset(choice.fit.names)
+
+
+def by_names(choices: list[Choice]) -> list[Choice]:
+    """The best choice of each set of names, in their order."""
+    found: dict[frozenset[str], Choice] = {}
+    for choice in sorted(choices, key=lambda c: c.score):
+        found.setdefault(names(choice), choice)
+    return list(found.values())
 
 
 def choose(search: Search, ground: Ground) -> list[Choice]:

@@ -6,14 +6,18 @@ from dataclasses import replace
 from pipeline.discrepancy.fitting.fit import evaluate, improve
 from pipeline.discrepancy.search.choose import (
     LEAST_GAIN,
+    RIVAL_GAP,
     Choice,
     Search,
     best_of_each,
+    by_names,
     choose,
     grown,
+    names,
 )
+from pipeline.discrepancy.search.disguise import plain
 from pipeline.discrepancy.search.polish import polished
-from pipeline.discrepancy.search.ties import BENDS, RIVAL_GAP, by_names, names, plain
+from pipeline.physics.catalogue import BENDS
 
 MOST = 2
 FAR = 3.0 * RIVAL_GAP

@@ -17,19 +17,22 @@ from pipeline.discrepancy.search.accuracy import within_accuracy
 from pipeline.discrepancy.search.alone import alone
 from pipeline.discrepancy.search.choose import (
     LEAST_GAIN,
+    RIVAL_GAP,
     SAME,
     Choice,
     Search,
     best_of_each,
+    by_names,
     choose,
     choose_again,
     extended,
+    names,
 )
 from pipeline.discrepancy.search.contested import contested, levelled
+from pipeline.discrepancy.search.disguise import plain, plainly
 from pipeline.discrepancy.search.foretold import foretelling
 from pipeline.discrepancy.search.polish import polished
 from pipeline.discrepancy.search.sprung import sprung
-from pipeline.discrepancy.search.ties import RIVAL_GAP, by_names, names, plain, plainly
 from pipeline.physics.catalogue import LATE, force_terms, terms
 from pipeline.physics.term import Term
 from pipeline.recording import reversals_of

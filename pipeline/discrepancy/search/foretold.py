@@ -7,8 +7,7 @@ import numpy as np
 
 from pipeline.discrepancy.fitting.charge import complexity, independent
 from pipeline.discrepancy.fitting.fit import Fit, Ground, evaluate, improve
-from pipeline.discrepancy.search.choose import Choice
-from pipeline.discrepancy.search.ties import TIE, names
+from pipeline.discrepancy.search.choose import TIE, Choice, names
 from pipeline.physics.lost_steps import LostSteps
 from pipeline.physics.mechanism import Piece
 

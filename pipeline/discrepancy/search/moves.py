@@ -94,7 +94,7 @@ def stopped(search: Search, choice: Choice) -> Choice:
     fit = choice.fit
     motion, around = fit.ground.problem.motion, fit.ground.problem.around
     for contact in choice.fit.pieces:
-        if isinstance(contact.term, Contact) and contact.term.stiffest(contact.values):
+        if isinstance(contact.term, Contact) and contact.term.limit(contact.values):
             stop = EndStop("upper" if contact.term.side > 0.0 else "lower")
             if (stop.name, stop.form) in fit.key:
                 return choice

@@ -1,0 +1,118 @@
+"""What a choice's names are in disguise: each term says what it hides, the fit how surely."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from pipeline.discrepancy.fitting.charge import independent
+from pipeline.discrepancy.fitting.fit import Fit, evaluate, parameters_of
+from pipeline.discrepancy.model.intervals import covariance_of
+from pipeline.discrepancy.search.choose import RIVAL_GAP, TIE, Choice, names
+from pipeline.physics.mechanism import Piece
+from pipeline.physics.term import Term
+from pipeline.recording import reversals_of
+
+SURE = 2.0
+SMALL = 0.25
+
+
+@dataclass(frozen=True)
+class Seen:
+    """What a fit shows of the parameters of the piece at a place (see `Term.plainer`)."""
+
+    fit: Fit
+    place: int
+
+    @property
+    def step(self) -> float:
+        term = self.fit.pieces[self.place].term
+        return where_acting(self.fit.ground.problem.around.step, self.fit, term)
+
+    def worth(self, size: int, course: Sequence[int] = ()) -> bool:
+        fit = self.fit
+        first = len(fit.nuisance) + sum(len(p.values) for p in fit.pieces[: self.place])
+        known = first + np.array(course, dtype=int)
+        least = (1 + len(known)) * np.log(independent(fit.ground))
+        variance = variance_given(covariance_of(fit), first + size, known)
+        return bool(fit.pieces[self.place].values[size] ** 2 > least * variance)
+
+    def sharp(self, reach: int) -> bool:
+        return sharp(self.fit, self.place, reach)
+
+
+def plain(choice: Choice) -> frozenset[str]:
+    """The names of a choice, each that is another one in disguise under that other name."""
+    return frozenset(plainly(choice.fit))
+
+
+def plainly(fit: Fit) -> list[str]:
+    """The same of each piece of a fit."""
+    return [p.term.plainer(p.values, Seen(fit, k)) for k, p in enumerate(fit.pieces)]
+
+
+def as_itself(choice: Choice, best: Choice) -> bool:
+    """Whether a choice is no other one in disguise, nor as far as can be towards the best one."""
+    limits = {p.term.limit(p.values) for p in choice.fit.pieces}
+    return plain(choice) == names(choice) and not limits & names(best)
+
+
+def undisguised(choices: Sequence[Choice]) -> Choice:
+    """The best of some choices, or the best of what it is in disguise."""
+    best = choices[0]
+    wanted = plain(best)
+    same = [c for c in choices if names(c) == wanted and c.score < best.score + RIVAL_GAP]
+    return min(same, key=lambda c: c.score, default=best)
+
+
+def variance_given(covariance: np.ndarray, at: int, known: np.ndarray) -> float:
+    """Variance of one parameter (m, m) where others (their places) are known, of a Gaussian."""
+    deviations = np.sqrt(np.maximum(np.diag(covariance), 1e-300))
+    correlation = covariance / np.outer(deviations, deviations)
+    along = correlation[at, known]
+    told = along @ np.linalg.pinv(correlation[np.ix_(known, known)], hermitian=True) @ along
+    return float(covariance[at, at] * max(1.0 - told, 0.0))
+
+
+def sharp(fit: Fit, place: int, reach: int) -> bool:
+    """Whether corners that a parameter of the fit's piece there rounds are sharper than a step.
+
+    A step is what a quarter of the turns begin with no more than. Or sharper than two, of which one
+    sample sees the inside, where they may be as sharp as can be. But turns with finer steps may
+    show that corners within a step are rounded.
+    """
+    piece = fit.pieces[place]
+    step = where_acting(first_step(fit.ground.problem.motion.drive), fit, piece.term)
+    parameters = parameters_of(fit.ground, piece.term)
+
+    def costs(other: float) -> float:
+        values = piece.values.copy()
+        values[reach] = other
+        pieces = (*fit.pieces[:place], Piece(piece.term, values), *fit.pieces[place + 1 :])
+        return evaluate(fit.ground, pieces).cost - fit.cost
+
+    if 2.0 * step <= piece.values[reach] or costs(2.0 * step) <= SURE**2:
+        return False
+    within = step > piece.values[reach] and costs(step) > SURE**2
+    return costs(parameters[reach].low) <= (TIE if within else SURE**2)
+
+
+def first_step(drive: np.ndarray) -> float:
+    """A step that a quarter of the turns of a drive (n,) begin with no more than; 0 without any.
+
+    Where it goes round a bend slowly, or by steps of any size, it shows more of a corner than its
+    usual step would.
+    """
+    steps = np.abs(np.diff(drive))
+    moves = np.flatnonzero(steps)
+    turns = reversals_of(drive)
+    first = np.searchsorted(moves, turns)
+    first = first[first < len(moves)]
+    return float(np.quantile(steps[moves[first]], SMALL)) if len(first) else 0.0
+
+
+def where_acting(step: float, fit: Fit, term: Term) -> float:
+    """A step of the drive where a term acts, before the nominal curve or behind it."""
+    around = fit.ground.problem.around
+    slope = around.angle_span / max(around.drive_span, 1e-300)
+    return step if term.before_curve else step * slope
