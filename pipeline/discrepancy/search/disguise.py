@@ -38,7 +38,26 @@ class Seen:
         return bool(fit.pieces[self.place].values[size] ** 2 > least * variance)
 
     def sharp(self, reach: int) -> bool:
-        return sharp(self.fit, self.place, reach)
+        """Whether corners are sharper than a step, that of `first_step`.
+
+        Or sharper than two, of which one sample sees the inside, where they may be as sharp as can
+        be. But turns with finer steps may show that corners within a step are rounded.
+        """
+        fit, place = self.fit, self.place
+        piece = fit.pieces[place]
+        step = where_acting(first_step(fit.ground.problem.motion.drive), fit, piece.term)
+        parameters = parameters_of(fit.ground, piece.term)
+
+        def costs(other: float) -> float:
+            values = piece.values.copy()
+            values[reach] = other
+            pieces = (*fit.pieces[:place], Piece(piece.term, values), *fit.pieces[place + 1 :])
+            return evaluate(fit.ground, pieces).cost - fit.cost
+
+        if 2.0 * step <= piece.values[reach] or costs(2.0 * step) <= SURE**2:
+            return False
+        within = step > piece.values[reach] and costs(step) > SURE**2
+        return costs(parameters[reach].low) <= (TIE if within else SURE**2)
 
 
 def plain(choice: Choice) -> frozenset[str]:
@@ -72,29 +91,6 @@ def variance_given(covariance: np.ndarray, at: int, known: np.ndarray) -> float:
     along = correlation[at, known]
     told = along @ np.linalg.pinv(correlation[np.ix_(known, known)], hermitian=True) @ along
     return float(covariance[at, at] * max(1.0 - told, 0.0))
-
-
-def sharp(fit: Fit, place: int, reach: int) -> bool:
-    """Whether corners that a parameter of the fit's piece there rounds are sharper than a step.
-
-    A step is what a quarter of the turns begin with no more than. Or sharper than two, of which one
-    sample sees the inside, where they may be as sharp as can be. But turns with finer steps may
-    show that corners within a step are rounded.
-    """
-    piece = fit.pieces[place]
-    step = where_acting(first_step(fit.ground.problem.motion.drive), fit, piece.term)
-    parameters = parameters_of(fit.ground, piece.term)
-
-    def costs(other: float) -> float:
-        values = piece.values.copy()
-        values[reach] = other
-        pieces = (*fit.pieces[:place], Piece(piece.term, values), *fit.pieces[place + 1 :])
-        return evaluate(fit.ground, pieces).cost - fit.cost
-
-    if 2.0 * step <= piece.values[reach] or costs(2.0 * step) <= SURE**2:
-        return False
-    within = step > piece.values[reach] and costs(step) > SURE**2
-    return costs(parameters[reach].low) <= (TIE if within else SURE**2)
 
 
 def first_step(drive: np.ndarray) -> float:
