@@ -91,7 +91,10 @@ def new_figure(
 
 
 def save_figure(figure: Figure, folder: Path, name: str) -> list[Path]:
-    """Write `name`.png and `name`.pdf, each whole or not at all; the paths written."""
+    """Write `name`.png and `name`.pdf, each whole or not at all; the paths written.
+
+    The PNG lays the figure out, and there its parts stay: each picture more would take as long.
+    """
     folder.mkdir(parents=True, exist_ok=True)
     paths = []
     for suffix in ("png", "pdf"):
@@ -100,6 +103,7 @@ def save_figure(figure: Figure, folder: Path, name: str) -> list[Path]:
         neighbour.write_bytes(figure_bytes(figure, suffix))
         neighbour.replace(path)
         paths.append(path)
+        figure.set_layout_engine("none")
     return paths
 
 

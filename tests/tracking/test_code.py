@@ -1,5 +1,6 @@
 """Which code decides on a result: a module, all that it imports, and nothing else."""
 
+import ast
 from pathlib import Path
 
 import pytest
@@ -53,3 +54,18 @@ def test_a_change_elsewhere_does_not(package: Path) -> None:
 def test_libraries_are_those_that_are_imported(package: Path) -> None:
     found = set(code.libraries_of("pipeline.a"))
     assert found == {"python", "architecture", "numpy", "scipy", "opencv-python-headless"}
+
+
+def test_every_import_that_a_parser_sees_is_read() -> None:
+    sources = sorted(code.PACKAGE.rglob("*.py"))
+    assert len(sources) > 100
+    for source in sources:
+        name = ".".join(source.relative_to(code.PACKAGE.parent).with_suffix("").parts)
+        module = name.removesuffix(".__init__")
+        parsed: set[str] = set()
+        for node in ast.walk(ast.parse(source.read_bytes())):
+            if isinstance(node, ast.Import):
+                parsed |= {alias.name for alias in node.names}
+            elif isinstance(node, ast.ImportFrom) and node.module:
+                parsed |= {node.module, *(f"{node.module}.{alias.name}" for alias in node.names)}
+        assert parsed <= code._imports(module), source

@@ -1,7 +1,7 @@
 """A zero that differs from cycle to cycle by more than noise does: that is a drift."""
 
 import numpy as np
-from scipy.stats import chi2, f
+from scipy.special import chdtri, fdtrc
 
 from pipeline.discrepancy.model.result import Estimate, Evidence, NamedPhysics
 from pipeline.discrepancy.problem.problem import Problem
@@ -36,7 +36,8 @@ def zeros_of(choice: Choice) -> np.ndarray:
 def deviation_of(means: np.ndarray) -> tuple[float, float, float]:
     """The deviation of Gaussian values (n,), and its 95 % interval (chi-squared)."""
     size, free = float(np.std(means, ddof=1)), len(means) - 1
-    low, high = (size * float(np.sqrt(free / q)) for q in chi2.interval(WITHIN, free)[::-1])
+    tails = 0.5 * (1.0 - WITHIN), 0.5 * (1.0 + WITHIN)
+    low, high = (size * float(np.sqrt(free / chdtri(free, tail))) for tail in tails)
     return size, low, high
 
 
@@ -50,7 +51,7 @@ def stepped(means: np.ndarray) -> bool:
     left = min(sum(float(np.sum((p - p.mean()) ** 2)) for p in both) for both in parts)
     gained = float(np.sum((means - means.mean()) ** 2)) - left
     ratio = gained / max(left / (count - 2), 1e-300)
-    return bool((count - 1) * f.sf(ratio, 1, count - 2) < 1.0 - WITHIN)
+    return bool((count - 1) * fdtrc(1, count - 2, ratio) < 1.0 - WITHIN)
 
 
 def about_each_zero(residual: np.ndarray, cycle: np.ndarray, counted: np.ndarray) -> np.ndarray:

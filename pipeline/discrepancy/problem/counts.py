@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 from scipy.linalg import solveh_banded
 from scipy.optimize import minimize
-from scipy.signal import lfilter
 
 from pipeline.discrepancy.problem.beside import may_follow
 from pipeline.physics.backlash import play
@@ -90,6 +89,8 @@ def left_behind_lag(drive: np.ndarray, measured: np.ndarray, quantum: float) -> 
     measured: (n,), NaN where not measured. The lag is of first order, or two alike one behind the
     other. The best of a grid of plays [quanta] and lags [rows] is refined.
     """
+    from scipy.signal import lfilter  # 0.4 s: only encoders wait for it
+
     rows, moved = np.isfinite(measured), drive - float(drive[0])
 
     def left(sizes: np.ndarray, twice: bool) -> float:
