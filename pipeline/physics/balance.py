@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, cast
 import numpy as np
 
 from pipeline.physics.equilibrium import NEVER, balance
-from pipeline.physics.kinematics import Curve, SampledCurve
+from pipeline.physics.kinematics import Curve
 from pipeline.physics.memoryless import FEWEST, crept, settled
 from pipeline.physics.motion import Motion
 from pipeline.physics.tabled import FAR
@@ -105,7 +105,8 @@ def settle(
     load = loads[0] if len(loads) == 1 else together(loads)
     linear, cubic, gravity, zero = load.smooth
     if load.loose is not None and not load.loose[-1]:
-        asked = asked + taken_up(load.loose, motion.drive, curve)
+        half, _, _, middle, _ = load.loose
+        asked = asked + curve.spared(motion.drive, middle, half)
     pushed = np.zeros(len(asked))
     if gravity != 0.0:
         pushed -= gravity * np.sin(zero)
@@ -218,19 +219,6 @@ def pulling(loose: Loose | None, toe: Toe | None, curve: Curve) -> Wires:
     slope, middle = abs(curve.slope), float(curve(np.array([centre]))[0])
     stretch, firm, lacks, length = (own, 2.0 * own, *IDEAL[5:]) if toe is None else toe
     return half * slope, 1.0 / (softness * slope), stretch, firm, middle, lacks, length
-
-
-def taken_up(loose: Loose, drive: np.ndarray, curve: Curve) -> np.ndarray:
-    """How much more a wire asks for [angle unit], (n,), where the way that hung slack is behind it.
-
-    That way is lost of the drive, before the curve, while the balance takes it off at the curve's
-    mean slope.
-    """
-    half, _, _, middle, _ = loose
-    if isinstance(curve, SampledCurve):
-        return curve.spared(drive, middle, half)
-    lost = np.minimum(np.maximum(drive - middle, -half), half)
-    return curve(drive - lost) + curve.slope * lost - curve(drive)
 
 
 def stacked(parts: Sequence[np.ndarray]) -> np.ndarray:

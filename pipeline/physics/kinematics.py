@@ -20,9 +20,17 @@ class Curve(Protocol):
 
     def __call__(self, drive: np.ndarray) -> np.ndarray: ...
 
+    def spared(self, drive: np.ndarray, middle: float, half: float) -> np.ndarray:
+        """How much more a drive asks for than its line of mean slope once it is past a dead way.
+
+        That way is lost from `middle` on, up to `half` [drive unit] either way; (n,).
+        """
+        lost = np.minimum(np.maximum(drive - middle, -half), half)
+        return self(drive - lost) + self.slope * lost - self(drive)
+
 
 @dataclass(frozen=True)
-class CubicCurve:
+class CubicCurve(Curve):
     """angle = gain * drive - cubic * drive^3 (a tendon-driven bend that saturates mildly)."""
 
     gain: float = 0.7
@@ -37,7 +45,7 @@ class CubicCurve:
 
 
 @dataclass(frozen=True)
-class IdentityCurve:
+class IdentityCurve(Curve):
     """The drive is already in the joint's own angle (a simulation's trace)."""
 
     slope: float = 1.0
@@ -77,7 +85,7 @@ def _spared(drive, middle, half, slope, first, spacing, angle, low_slope, high_s
 
 
 @dataclass(frozen=True)
-class SampledCurve:
+class SampledCurve(Curve):
     """A curve through evenly spaced samples, straight beyond its ends.
 
     first, spacing: where the samples stand [drive unit]. angle: (k,), k >= 2.
@@ -103,10 +111,6 @@ class SampledCurve:
         return _between(drive, self.first, self.spacing, self.angle, *self._beyond)
 
     def spared(self, drive: np.ndarray, middle: float, half: float) -> np.ndarray:
-        """How much more a drive asks for than its line of mean slope once it is past a dead way.
-
-        That way is lost from `middle` on, up to `half` [drive unit] either way; (n,).
-        """
         drive, knots = np.ascontiguousarray(drive, dtype=float), (self.first, self.spacing)
         return _spared(drive, middle, half, self.slope, *knots, self.angle, *self._beyond)
 

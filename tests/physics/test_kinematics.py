@@ -3,15 +3,16 @@
 import numpy as np
 import pytest
 
-from pipeline.physics.kinematics import sampled_curve
+from pipeline.physics.kinematics import CubicCurve, IdentityCurve, sampled_curve
 from pipeline.physics.motion import Motion
 from pipeline.physics.tension_loss import TensionLoss
 
 DRIVE = 10.0 * np.sin(np.linspace(0.0, 20.0, 400)) + 2.0
+CUBIC = CubicCurve(0.7, 0.002)
 
 
-def test_a_dead_way_is_lost_of_the_drive_and_not_of_its_line():
-    curve = sampled_curve(DRIVE, 0.7 * DRIVE - 0.002 * DRIVE**3)
+@pytest.mark.parametrize("curve", [CUBIC, sampled_curve(DRIVE, CUBIC(DRIVE)), IdentityCurve()])
+def test_a_dead_way_is_lost_of_the_drive_and_not_of_its_line(curve):
     lost = np.clip(DRIVE - 1.0, -2.5, 2.5)
     spared = curve(DRIVE - lost) + curve.slope * lost - curve(DRIVE)
     assert curve.spared(DRIVE, 1.0, 2.5) == pytest.approx(spared, abs=1e-12)
