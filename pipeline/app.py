@@ -25,7 +25,7 @@ from pipeline.sweep import SWEEP_DIR, Sweep, going_on, sweep_asked
 
 INTERRUPTED = 130
 UNUSABLE = 1
-_FAILED: list[Exception] = []
+_in_hydra = hydra.main(version_base="1.3", config_path=str(CONF), config_name="config")
 
 
 def main() -> None:
@@ -58,10 +58,18 @@ def run_command_line() -> int:
 
 
 def _run_once() -> int:
-    _FAILED.clear()
-    _hydra_job()
-    if _FAILED:
-        raise _FAILED.pop()
+    failed: list[Exception] = []
+
+    @_in_hydra
+    def job(raw: DictConfig) -> None:
+        try:
+            _run_job(raw)
+        except Exception as error:  # raised past Hydra, it would follow a line of Hydra's own
+            failed.append(error)
+
+    job()
+    if failed:
+        raise failed[0]
     return 0
 
 
@@ -74,7 +82,7 @@ def _run_sweep(sweep: Sweep) -> int:
           f"  {going_on(sys.argv[1:], sweep.folder)}", flush=True)  # fmt: skip
     with sweep.running():
         try:
-            _hydra_job()
+            _in_hydra(_run_job)()
         except (HydraException, OmegaConfBaseException, LoopgapError, OSError):
             raise
         except Exception as error:  # of the launcher: a job's errors end with the job
@@ -84,8 +92,7 @@ def _run_sweep(sweep: Sweep) -> int:
         return conclude(sweep.folder)
 
 
-@hydra.main(version_base="1.3", config_path=str(CONF), config_name="config")
-def _hydra_job(raw: DictConfig) -> None:
+def _run_job(raw: DictConfig) -> None:
     settings = HydraConfig.get()
     folder = Path(settings.runtime.output_dir)
     in_sweep = settings.mode == RunMode.MULTIRUN
@@ -108,9 +115,7 @@ def _hydra_job(raw: DictConfig) -> None:
         if not in_sweep and not isinstance(error, UsageError):
             error.add_note("When its cause is gone, this goes on:\n"
                            f"  {going_on(sys.argv[1:], folder)}")  # fmt: skip
-        if in_sweep or not isinstance(error, Exception):
-            raise
-        _FAILED.append(error)  # raised past Hydra, it would be preceded by a line of Hydra's own
+        raise
 
 
 def _first_line(error: Exception) -> str:
