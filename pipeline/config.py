@@ -307,10 +307,7 @@ class ConcealedConfig:
     """The concealed benchmark: its seed, and how many cases of each kind (half of them plain)."""
 
     seed: int = 0
-    counts: dict[str, int] = field(
-        default_factory=lambda: {"none": 120, "walk": 60, "one": 200, "two": 120, "three": 80,
-                                 "outside": 80, "small": 40}
-    )  # fmt: skip
+    counts: dict[str, int] = field(default_factory=dict)
 
 
 @dataclass

@@ -62,6 +62,13 @@ def test_concealed_effects_are_found_and_the_seals_hold(tmp_path, monkeypatch):
     assert (tmp_path / "score" / "confusion.png").stat().st_size > 5000
 
 
+def test_a_benchmark_of_no_cases_is_refused(tmp_path, monkeypatch, capsys):
+    assert loopgap(monkeypatch, "stages=[concealed]", f"hydra.run.dir={tmp_path}") == 2
+    said = capsys.readouterr().err
+    assert "concealed.counts: expected how many cases of none, walk, one" in said
+    assert "experiment=concealed" in said
+
+
 STUDY = [*SMALL_IMAGES, "acquisition.cycles=5", "acquisition.steps_per_cycle=40",
          "selection.n_init=1", "training.n_init=1", "compensation.targets=8",
          "hydra/launcher=basic"]  # fmt: skip

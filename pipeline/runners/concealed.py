@@ -12,9 +12,10 @@ import pandas as pd
 
 from pipeline.concealed.benchmark import generate
 from pipeline.concealed.cases import follow_up
-from pipeline.concealed.draw import Case, draw_cases
+from pipeline.concealed.draw import KINDS, Case, draw_cases
 from pipeline.concealed.score import Score, score
 from pipeline.config import DiagnosisConfig
+from pipeline.errors import UsageError, refusal
 from pipeline.recording import load_recording, save_recording, write_atomically
 from pipeline.runners.diagnosis import answer, stored_models, write_answer
 from pipeline.runners.run_folder import Run, made, progress_bar
@@ -31,6 +32,11 @@ def run_concealed(run: Run) -> None:
     """Generate the cases, diagnose each, record the proposed blocks, diagnose again, and score."""
     config = run.config.concealed
     drawn = draw_cases(config.seed, config.counts)
+    if not drawn:
+        raise UsageError(
+            refusal("concealed.counts", f"how many cases of {', '.join(KINDS)}", "none at all",
+                    "Choose `experiment=concealed`.")
+        )  # fmt: skip
     cases, truth, results = (run.folder / n for n in ("cases", "truth", "results"))
     generate(cases, truth, drawn)
     print(f"  {len(drawn)} cases; their sealed truths: {cases / 'commitments.json'}")
