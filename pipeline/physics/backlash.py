@@ -30,6 +30,7 @@ class Backlash(Term):
 
     name = "backlash"
     site = "transmission"
+    remembers = "way"
     before_curve = True
     group = "play"
     says = "The drive turns through {width} of play after each reversal before anything moves."

@@ -35,6 +35,7 @@ class CapstanFriction(Term):
 
     name = "friction"
     site = "transmission"
+    remembers = "way"
     grows: ClassVar = {"capstan": ("capstan begun", "capstan bristle", BENT)}
     says = (
         "The sheath holds the wire back by a share of its pull: the two ways differ by a factor "

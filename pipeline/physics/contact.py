@@ -25,6 +25,7 @@ class Contact(Term):
 
     name = "contact"
     site = "body"
+    sided = True
     in_balance = True
     holds = True
     grows: ClassVar = {

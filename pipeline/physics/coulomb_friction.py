@@ -46,6 +46,7 @@ class CoulombFriction(ForceTerm):
     """
 
     name = "coulomb_friction"
+    remembers = "way"
     directed = True
     grows: ClassVar = {
         "": ("asymmetric", "spread", "bristle", "smoothed"),

@@ -42,6 +42,7 @@ class Coupling(Term):
     def __init__(self, form: str = "") -> None:
         self.form = form
         self.channel = form.removesuffix(WITH_PLAY).removesuffix(DIRECT)
+        self.group = f"{self.name} {self.channel}"
         self.plays = form.endswith(WITH_PLAY)
         self.only_held = form.endswith(DIRECT)
         self.in_balance = not self.only_held

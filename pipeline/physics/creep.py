@@ -25,6 +25,7 @@ class Creep(Term):
 
     name = "creep"
     site = "transmission"
+    remembers = "time"
     timed = True
     far_apart = True
     grows: ClassVar = {

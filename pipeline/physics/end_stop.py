@@ -19,6 +19,7 @@ class EndStop(Term):
 
     name = "end_stop"
     site = "body"
+    sided = True
     in_balance = True
     holds = True
     says = "It can't move beyond {angle}: it hits a stop."

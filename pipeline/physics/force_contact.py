@@ -22,6 +22,7 @@ class ForceContact(ForceTerm):
     """
 
     name = "contact"
+    sided = True
     says = "Beyond {position} on one side it touches a spring of {stiffness} more."
 
     def __init__(self, form: str = f"{SIDES[0]} {BUFFER}") -> None:

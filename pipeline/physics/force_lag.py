@@ -21,6 +21,7 @@ class ForceLag(ForceTerm):
     """
 
     name = "response_lag"
+    remembers = "time"
     form = LATE
     adds = False
     says = "The force comes late as a whole, with a time constant of {time_constant}."

@@ -59,6 +59,7 @@ class ForceRipple(ForceWave):
     """
 
     name = "transmission_ripple"
+    periodic = True
     says = "The force swells and ebbs by {amplitude}, again and again every {period}."
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:

@@ -21,6 +21,7 @@ class FrameLag(Term):
 
     name = "frame_lag"
     site = "sensor"
+    remembers = "time"
     group = "lag"
     timed = True
     says = "The camera's frame is old: it shows the pose of {lag} before."

@@ -32,6 +32,7 @@ class Friction(Term):
 
     name = "friction"
     site = "transmission"
+    remembers = "way"
     in_balance = True
     mistaken_for = Backlash.name
     grows: ClassVar = {

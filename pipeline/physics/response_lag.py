@@ -95,6 +95,7 @@ class ResponseLag(Term):
 
     name = "response_lag"
     site = "body"
+    remembers = "time"
     group = "lag"
     timed = True
     grows: ClassVar = dict.fromkeys(FIRST_ORDER, ("second", "motor", "slewing"))

@@ -72,6 +72,7 @@ class SheathForce(ForceTerm):
     """
 
     name = "coulomb_friction"
+    remembers = "way"
     says_of_near = (
         "The sheath holds the wire back by a share of its pull: while it slides, the pulls at its "
         "ends differ by a factor of exp({wrap})."

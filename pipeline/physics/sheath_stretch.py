@@ -37,6 +37,7 @@ class SheathStretch(Term):
 
     name = "friction"
     site = "transmission"
+    remembers = "way"
     form = "stretch"
     before_curve = True
     says = (

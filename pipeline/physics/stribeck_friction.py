@@ -24,6 +24,7 @@ class StribeckFriction(ForceTerm):
     """
 
     name = "stribeck_friction"
+    remembers = "way"
     directed = True
     grows: ClassVar = {"": ("asymmetric", "smoothed")}
     says = "At less than about {speed}, dry friction holds back by {force} more."

@@ -58,6 +58,7 @@ class TensionLoss(Term):
 
     name = "tension_loss"
     site = "transmission"
+    remembers = "way"
     before_curve = True
     group = "play"
     far_apart = True

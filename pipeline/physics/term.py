@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import ClassVar, Protocol
+from typing import ClassVar, Literal, Protocol
 
 import numpy as np
 
@@ -111,6 +111,10 @@ class Term:
     far_apart: whether a start says little of where a fit from it ends, until it has gone some way.
     holds: whether it keeps the joint where other terms of the balance would move it.
     slow: whether it moves the zero while all else stays, as noise that wanders does.
+    remembers: what of its signal it remembers: the "way" that it went, or for a "time".
+    periodic: whether it comes again over the drive; its second parameter is that period.
+    sided: whether its name may stand once for each side.
+    group: of its terms only one may stand; "" where that goes by the name.
     mistaken_for: the name of what may be this instead, if it looks like that in disguise.
     only_held: whether a form differs from its kin only beside what holds the joint.
     own_law: whether a form bends otherwise than the plainer one whose parameters it has: a fit of
@@ -129,7 +133,10 @@ class Term:
     adds: bool = False
     timed: ClassVar[bool] = False
     far_apart: bool = False
-    group: ClassVar[str] = ""
+    group: str = ""
+    remembers: ClassVar[Literal["", "way", "time"]] = ""
+    periodic: ClassVar[bool] = False
+    sided: ClassVar[bool] = False
     says: ClassVar[str]
     form: str = ""
     grows: ClassVar[Mapping[str, tuple[str, ...]]] = {}

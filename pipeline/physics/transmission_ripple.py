@@ -38,6 +38,7 @@ class TransmissionRipple(Term):
 
     name = "transmission_ripple"
     site = "actuator"
+    periodic = True
     before_curve = True
     grows: ClassVar = {
         "first": ("first afloat", "second", "second afloat", "third afloat"),

@@ -23,7 +23,6 @@ UNLIKELY = {
     "viscous_friction/sprung": BEHIND,
     "transmission_ripple/force": 6.0,
 }
-SIDED = ("contact", "end_stop")
 
 
 def complexity(fit: Fit) -> float:
@@ -37,7 +36,7 @@ def complexity(fit: Fit) -> float:
     charge = 0.0 if absurd_calibration(fit) is None else VOID
     for i, piece in enumerate(fit.pieces):
         charge += VOID if piece.term.void(piece.values) else 0.0
-        again = piece.term.name in SIDED and piece.term.name in fit.names[:i]
+        again = piece.term.sided and piece.term.name in fit.names[:i]
         own = (SECOND_SIDE if again else TERM_COST) + unlikely(piece.term)
         parameters = parameters_of(fit.ground, piece.term)
         charge += own * max(sum(p.moment for p in parameters), 1)

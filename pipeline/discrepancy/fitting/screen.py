@@ -14,8 +14,6 @@ from pipeline.recording import branch_of
 
 SCALES = (0.01, 8.0)
 PROMISING = 4
-LATE = ("frame_lag", "response_lag", "backlash", "tension_loss", "friction", "creep")
-PHASED = ("transmission_ripple",)
 PERIOD = 1
 
 
@@ -60,11 +58,10 @@ class Effects:
         for k, gain in zip(wanted, gains, strict=True):
             term = self.places[k][0]
             own.setdefault((term.name, term.form), []).append((-gain, k))
-        late = any(p.term.name in LATE for p in fit.pieces)
         out = []
-        for (name, _), few in own.items():
+        for few in own.values():
             ranked = [k for _, k in sorted(few)[:most]]
-            if late and name in PHASED:
+            if self.places[ranked[0]][0].periodic and late(fit):
                 ranked = self.in_any_phase(fit, [k for _, k in few], most)
             out += [self.places[k] for k in ranked]
         return out
@@ -98,6 +95,11 @@ def effects_of(problem: Problem, terms: Sequence[Term]) -> Effects:
     for k, (term, values) in enumerate(places):
         columns[:, k] = problem.trace((Piece(term, values),)).seen - nominal
     return Effects(places, columns, sized_of(places))
+
+
+def late(fit: Fit) -> list[Piece]:
+    """The pieces behind which its answer comes late on either way."""
+    return [p for p in fit.pieces if p.term.remembers and not p.term.adds]
 
 
 def screen(fit: Fit, effects: Effects, terms: Sequence[Term], starts: int = 3) -> list[Lead]:

@@ -8,8 +8,6 @@ from pipeline.physics.lost_steps import LostSteps
 from pipeline.physics.mechanism import Piece
 from pipeline.recording import reversals_of
 
-REMEMBER = frozenset({"friction", "backlash", "tension_loss"})
-
 
 def is_start(fit: Fit, piece: Piece) -> bool:
     """Whether a piece is slips before the drive first turns, beside a term that remembers its way.
@@ -17,7 +15,8 @@ def is_start(fit: Fit, piece: Piece) -> bool:
     Friction and play begin unstressed, in the middle; where a wire lay otherwise, a slip takes the
     drive there. Until it turns, nothing tells one from a shaft that slipped.
     """
-    if not isinstance(piece.term, LostSteps) or REMEMBER.isdisjoint(fit.names):
+    remembered = any(p.term.remembers == "way" for p in fit.pieces)
+    if not (isinstance(piece.term, LostSteps) and remembered):
         return False
     motion = fit.ground.problem.motion
     turns = reversals_of(motion.drive)

@@ -6,7 +6,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from pipeline.discrepancy.fitting.charge import SIDED, TERM_COST, VOID, complexity
+from pipeline.discrepancy.fitting.charge import TERM_COST, VOID, complexity
 from pipeline.discrepancy.fitting.fit import (
     Fit,
     Ground,
@@ -20,7 +20,6 @@ from pipeline.discrepancy.fitting.screen import Effects, Lead, screen, started
 from pipeline.discrepancy.noise.family import WHITE, NoiseFamily
 from pipeline.discrepancy.search.after_balance import Key, held, kin_of, with_others_outside
 from pipeline.physics.catalogue import richer
-from pipeline.physics.coupling import Coupling
 from pipeline.physics.term import Term
 
 BEAM = 3
@@ -315,24 +314,20 @@ def by_term(leads: Sequence[Lead]) -> list[list[Lead]]:
 
 
 def allowed(terms: Sequence[Term], fit: Fit) -> list[Term]:
-    """Terms that may stand beside those of a fit: no name twice but for sides, no two plays.
+    """Terms that may stand beside those of a fit: no name twice but for sides, none of a group.
 
-    A coupling may stand once for each command. Where nothing holds the joint, what acts after the
-    balance is about as in it.
+    Where nothing holds the joint, what acts after the balance is about as in it.
     """
     holding = held(fit)
     names = {p.term.name for p in fit.pieces}
-    groups = {p.term.group for p in fit.pieces if p.term.group}
+    groups = {p.term.group for p in fit.pieces}
     keys = {(p.term.name, p.term.form) for p in fit.pieces}
-    coupled = {p.term.channel for p in fit.pieces if isinstance(p.term, Coupling)}
     return [
         t
         for t in terms
         if (t.name, t.form) not in keys
         and (holding or not t.only_held)
-        and (t.name not in names or t.name in (*SIDED, Coupling.name))
-        and not (t.group and t.group in groups)
-        and not (isinstance(t, Coupling) and t.channel in coupled)
+        and (t.group not in groups if t.group else t.sided or t.name not in names)
     ]
 
 

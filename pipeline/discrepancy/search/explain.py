@@ -42,7 +42,6 @@ SAME_RANGE = 0.6
 SAME_LEVEL = 0.05
 SAME_COMMAND = 0.5
 TURN_ROWS = 2
-OF_ONE_SHAFT = ("transmission_ripple",)
 SURELY = 3.0
 TURNS, STANDING, SETTLED = 4, 1.0, 3
 JUDGED_GAP = 25.0
@@ -279,7 +278,7 @@ def excited_terms(problem: Problem) -> tuple[Term, ...]:
         for t in every
         if t.excited(problem.motion, problem.around)
         and t.name != "marker_outliers"
-        and not (problem.mixed and t.name in OF_ONE_SHAFT)
+        and not (problem.mixed and t.periodic)
     )
 
 

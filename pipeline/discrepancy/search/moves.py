@@ -4,7 +4,7 @@ import numpy as np
 
 from pipeline.discrepancy.fitting.fit import ITERATIONS, evaluate, improve, parameters_of
 from pipeline.discrepancy.fitting.reform import reformed
-from pipeline.discrepancy.fitting.screen import LATE, screen, started
+from pipeline.discrepancy.fitting.screen import late, screen, started
 from pipeline.discrepancy.search.choose import (
     FAINT,
     MOST_TERMS,
@@ -25,7 +25,7 @@ from pipeline.physics.response_lag import ResponseLag
 from pipeline.physics.stiffness import Stiffness
 
 SHEATH = CapstanFriction("pretensioned")
-SPRING, SHEATHED = Stiffness(), ("coulomb_friction", "stribeck_friction", "stiffness")
+SPRING = Stiffness()
 TOE = Compliance("toe")
 HOPED = 40.0
 LEAST_LEFT, FIRM = 0.05, 50.0
@@ -57,12 +57,12 @@ def merged(search: Search, choice: Choice) -> Choice:
     what a swinging joint beside a creep does, and one beside play a motor that is late; no swap of
     terms leads there.
     """
-    late = [p for p in choice.fit.pieces if p.term.name in LATE]
-    lag = next((p for p in late if p.term.group == "lag"), None)
+    behind = late(choice.fit)
+    lag = next((p for p in behind if p.term.group == "lag"), None)
     if lag is None or len(choice.fit.pieces) == 1:
         return choice
-    alone = [p for p in choice.fit.pieces if p is lag or p not in late]
-    for rest in (alone, choice.fit.pieces)[: len(late)]:
+    alone = [p for p in choice.fit.pieces if p is lag or p not in behind]
+    for rest in (alone, choice.fit.pieces)[: len(behind)]:
         fit, place = evaluate(choice.fit.ground, rest), [p is lag for p in rest].index(True)
         for form in ("second", "motor"):
             if lag.term.form != form:
@@ -186,7 +186,9 @@ def sheathed_force(search: Search, choice: Choice) -> Choice:
     """
     ground = choice.fit.ground
     motion, around = ground.problem.motion, ground.problem.around
-    rest = [p for p in choice.fit.pieces if p.term.name not in SHEATHED]
+    rest = [
+        p for p in choice.fit.pieces if p.term.remembers != "way" and p.term.name != SPRING.name
+    ]
     trials = []
     for term in (t for t in SHEATH_FORCES if t.excited(motion, around)):
         starts = [

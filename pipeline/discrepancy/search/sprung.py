@@ -10,8 +10,6 @@ from pipeline.discrepancy.search.polish import polished
 from pipeline.physics.catalogue import SPRUNG
 from pipeline.physics.term import Term
 
-OF_TRAVEL = ("coulomb_friction", "stribeck_friction")
-
 
 def sprung(search: Search, choices: list[Choice]) -> list[Choice]:
     """The choices (best first); of a force also those with a damper behind a spring.
@@ -24,7 +22,7 @@ def sprung(search: Search, choices: list[Choice]) -> list[Choice]:
     problem = base.fit.ground.problem
     if problem.motion.kinetics is None:
         return choices
-    without = tuple(t for t in search.terms if t.name not in OF_TRAVEL)
+    without = tuple(t for t in search.terms if t.remembers != "way")
     found = choose(among(search, problem, (*without, SPRUNG)), base.fit.ground)
     best = choices[0]
     for k, piece in enumerate(best.fit.pieces):
