@@ -41,6 +41,7 @@ class Creep(Term):
         self.form = form
         self.before_curve = "wire" in form
         self.only_held = form == "whole"
+        self.unlikely = 3.0 if form == "running" else 0.0  # chance would decide against old frames
         self.in_balance = form in ("one", "two")
 
     @property

@@ -26,6 +26,7 @@ class Drift(Term):
 
     def __init__(self, form: str = "linear") -> None:
         self.form = form
+        self.unlikely = 6.0 if form == "wave" else 0.0  # it follows what jitters by cycle, too
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
         span, unit = around.angle_span, around.angle_unit

@@ -23,6 +23,7 @@ class ForceContact(ForceTerm):
 
     name = "contact"
     sided = True
+    unlikely = 2.0
     says = "Beyond {position} on one side it touches a spring of {stiffness} more."
 
     def __init__(self, form: str = f"{SIDES[0]} {BUFFER}") -> None:

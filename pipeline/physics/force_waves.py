@@ -60,6 +60,7 @@ class ForceRipple(ForceWave):
 
     name = "transmission_ripple"
     periodic = True
+    unlikely = 6.0  # it follows what comes again for any other reason, too
     says = "The force swells and ebbs by {amplitude}, again and again every {period}."
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:

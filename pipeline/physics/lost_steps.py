@@ -23,6 +23,7 @@ class LostSteps(Term):
     site = "actuator"
     before_curve = True
     slow = True
+    unlikely = 3.0
     grows: ClassVar = {"once": ("twice",)}
     says = "The shaft slipped by {jump} at {time}, and its zero has been off since."
     says_twice = "The shaft slipped by {jump} at {time} and by {jump_2} at {time_2}."

@@ -113,6 +113,7 @@ class ResponseLag(Term):
         self.form = form
         self.in_balance = form == "first"
         self.only_held = form == "whole"
+        self.unlikely = 3.0 if form == "running" else 0.0  # chance would decide against old frames
         self.before_curve = form in ("motor", "slewing")
 
     @property

@@ -29,6 +29,10 @@ class Slack(Term):
     grows: ClassVar = {HOME: ("", f"{HOME} {BEHIND}"), "": (BEHIND,), f"{HOME} {BEHIND}": (BEHIND,)}
     says = "Around home both wires hang slack: nothing moves over {width} of drive."
 
+    def __init__(self, form: str = "") -> None:
+        self.form = form
+        self.unlikely = 3.0 if BEHIND in form else 0.0  # chance would decide against one before
+
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
         span, unit = around.drive_span, around.drive_unit
         middle, far = around.drive_low + 0.5 * span, 0.35 * span

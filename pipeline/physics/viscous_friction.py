@@ -51,6 +51,10 @@ class ViscousFriction(ForceTerm):
     }
     says = "Friction that grows with the speed holds back by {damping}."
 
+    def __init__(self, form: str = "") -> None:
+        self.form = form
+        self.unlikely = 3.0 if form == "sprung" else 0.0  # a damper behind a spring is two things
+
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
         most = 4.0 * around.angle_span / max(around.top_speed, 1e-12)
         own = resistance("damping", per(around, 1), most, around)

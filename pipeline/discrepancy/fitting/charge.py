@@ -5,24 +5,11 @@ import numpy as np
 from pipeline.discrepancy.fitting.calibration import FAR_OFF, absurd_gain
 from pipeline.discrepancy.fitting.fit import Fit, Ground, parameters_of
 from pipeline.number_words import worded
-from pipeline.physics.term import Term
 
 TERM_COST = 8.0
 SECOND_SIDE = 1.0
 AT_BOUND = 1.0
 VOID = 40.0
-BEHIND = 3.0
-UNLIKELY = {
-    "lost_steps": 3.0,
-    "contact": 2.0,
-    "drift/wave": 6.0,
-    "response_lag/running": BEHIND,
-    "creep/running": BEHIND,
-    "slack/behind": BEHIND,
-    "slack/home behind": BEHIND,
-    "viscous_friction/sprung": BEHIND,
-    "transmission_ripple/force": 6.0,
-}
 
 
 def complexity(fit: Fit) -> float:
@@ -37,7 +24,7 @@ def complexity(fit: Fit) -> float:
     for i, piece in enumerate(fit.pieces):
         charge += VOID if piece.term.void(piece.values) else 0.0
         again = piece.term.sided and piece.term.name in fit.names[:i]
-        own = (SECOND_SIDE if again else TERM_COST) + unlikely(piece.term)
+        own = (SECOND_SIDE if again else TERM_COST) + piece.term.unlikely
         parameters = parameters_of(fit.ground, piece.term)
         charge += own * max(sum(p.moment for p in parameters), 1)
         for p, value in zip(parameters, piece.values, strict=True):
@@ -45,18 +32,6 @@ def complexity(fit: Fit) -> float:
             nothing = p.weak or (value <= p.low and p.typical > 0.0)
             charge += AT_BOUND if nothing else np.log(independent(fit.ground))
     return charge
-
-
-def unlikely(term: Term) -> float:
-    """How much less likely than others a term is in its form, in -2 log odds.
-
-    A wave of any period and phase follows what jitters or repeats with the cycles as well. Slack
-    that is lost behind the curve has as many parameters as one before it: chance would decide; so
-    it would between a frame that is old and a joint that is late behind a command that runs on. A
-    damper behind a spring is two things.
-    """
-    whole = f"{term.name}/{term.form}"
-    return UNLIKELY.get(term.name, 0.0) + UNLIKELY.get(whole, 0.0)
 
 
 def absurd_calibration(fit: Fit) -> str | None:
