@@ -6,6 +6,7 @@ import numpy as np
 import pandas as pd
 
 from pipeline.config import DiagnosisConfig
+from pipeline.discrepancy.fitting.fit import Ground, evaluate
 from pipeline.discrepancy.fitting.screen import effects_of
 from pipeline.discrepancy.model.result import DiagnosisResult, Estimate
 from pipeline.discrepancy.noise.family import noise_family
@@ -97,6 +98,12 @@ def explained(recording: Recording) -> Explanation:
 def posed(recording: Recording) -> Problem:
     """The problem that such a recording's angle poses."""
     return pose_problem(DiagnosisConfig(), recording, ANGLE, recording.values(SIMULATED))
+
+
+def chosen(ground: Ground, score: float, **pieces: list[float]) -> Choice:
+    """A choice of terms by their names with these values, as they stand."""
+    fit = evaluate(ground, [Piece(term(n), np.array(values)) for n, values in pieces.items()])
+    return Choice(fit, (0, 0, 0), score)
 
 
 def explanation_of(choices: list[Choice], *, repeats: int = 0, strain: float = 0.0) -> Explanation:

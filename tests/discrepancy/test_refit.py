@@ -8,18 +8,15 @@ import numpy as np
 import pytest
 
 from pipeline.config import DiagnosisConfig
-from pipeline.discrepancy.fitting.fit import evaluate, ground_of
+from pipeline.discrepancy.fitting.fit import ground_of
 from pipeline.discrepancy.judgement.refit import likeliest
 from pipeline.discrepancy.model.model import CorrectedModel, as_json, from_json
 from pipeline.discrepancy.noise.noise import NoiseModel
-from pipeline.discrepancy.search.choose import Choice
-from pipeline.physics.catalogue import term
-from pipeline.physics.mechanism import Mechanism, Piece
-from pipeline.physics.term import values_of
+from pipeline.physics.mechanism import Mechanism
 from pipeline.recording import Recording
 from pipeline.stages.diagnosis import diagnose
 from pipeline.stages.prediction import predict
-from tests.discrepancy.made import NOISE, explanation_of, posed, recorded
+from tests.discrepancy.made import NOISE, chosen, explanation_of, posed, recorded
 
 NAME = "pitch_angle_deg"
 HIDDEN = {"backlash": {"width": 4.0}, "drift/linear": {"rate": 1.0}}
@@ -74,14 +71,12 @@ def test_held_out_rows_tell_when_among_them_a_slip_was():
 def test_a_drift_too_unsure_to_be_named_still_goes_on():
     problem = posed(recorded(HIDDEN))
     ground = ground_of(problem, NoiseModel(NOISE), problem.train)
-
-    def choice(score: float, *names: str) -> Choice:
-        own = [(t, values_of(t, problem.around, {})) for t in map(term, names)]
-        return Choice(evaluate(ground, [Piece(*one) for one in own]), (0, 0, 0), score)
-
-    named = choice(2.0, "backlash")
-    drifting, slipping = choice(0.0, "backlash", "drift"), choice(1.0, "backlash", "lost_steps")
-    others = [choice(-5.0, "friction"), choice(-3.0, "backlash", "contact")]
+    play = {"backlash": [4.0]}
+    named = chosen(ground, 2.0, **play)
+    drifting = chosen(ground, 0.0, **play, drift=[0.5])
+    slipping = chosen(ground, 1.0, **play, lost_steps=[0.5, 900.0])
+    touching = chosen(ground, -3.0, **play, contact=[0.5, 20.0, 0.5])
+    others = [chosen(ground, -5.0, friction=[2.0, 1.0, 0.7]), touching]
     explanation = explanation_of([*others, slipping, drifting, named])
     assert likeliest(explanation, named) is drifting
     assert likeliest(explanation, others[0]) is others[0]
