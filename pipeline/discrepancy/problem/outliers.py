@@ -1,4 +1,4 @@
-"""Outliers: samples that stand off from their neighbours on both sides."""
+"""Outliers: samples, alone or a few in a row, that stand off from those on both sides."""
 
 from collections.abc import Sequence
 
@@ -9,20 +9,69 @@ from pipeline.recording import branch_of
 ISOLATED = 5.0
 RETURNS, FEWEST_REPEATS = 0.5, 3
 FEWEST_KIN = 4
+LONGEST, BESIDE = 5, 3
+SUDDEN = 0.6
 
 
-def isolated(residual: np.ndarray, train: np.ndarray, finest: float) -> np.ndarray:
+def isolated(
+    residual: np.ndarray, train: np.ndarray, finest: float, repeats: Sequence[np.ndarray] = ()
+) -> np.ndarray:
     """Mask (n,) of residuals that are off from their neighbours' median by ISOLATED deviations.
 
     residual: (n,), NaN where not measured. The deviation of that distance is learnt from `train`
-    and is at least `finest`.
+    and is at least `finest`. Of a few in a row see `bursts`. What stands off in most `repeats` as
+    well does not count, see `returning`.
     """
     off = distances(residual)
     known = np.isfinite(off)
     if not known.any():
         return known
     scale = max(robust_deviation(off[train & known]), finest)
-    return np.asarray(known & (np.abs(off) > ISOLATED * scale))
+    lone = known & (np.abs(off) > ISOLATED * scale) & ~returning(off, repeats)
+    return np.asarray(lone | bursts(residual, train, finest, repeats))
+
+
+def bursts(
+    residual: np.ndarray, train: np.ndarray, finest: float, repeats: Sequence[np.ndarray] = ()
+) -> np.ndarray:
+    """Mask (n,) of residuals that are off in a row of 2 to LONGEST: the camera saw another thing.
+
+    They stand off from what was before and after by ISOLATED deviations of such a distance, to one
+    side, and get there and back at once: a corner, a jump that stays and a slow wave do not.
+    """
+    out = np.zeros(len(residual), dtype=bool)
+    off, scale = heights(residual, train, finest)
+    known = np.flatnonzero(np.isfinite(residual))
+    side = np.where(np.abs(off[known]) > ISOLATED * scale, np.sign(off[known]), 0.0)
+    step = np.abs(np.diff(residual[known], prepend=np.nan, append=np.nan))
+    for run in np.split(np.arange(len(known)), np.flatnonzero(np.diff(side)) + 1):
+        if not 1 < len(run) <= LONGEST or side[run[0]] == 0.0:
+            continue
+        height = float(np.min(np.abs(off[known[run]])))
+        if min(step[run[0]], step[run[-1] + 1]) > SUDDEN * height:
+            out[known[run]] = True
+    return out & ~returning(off, repeats)
+
+
+def heights(residual: np.ndarray, train: np.ndarray, finest: float) -> tuple[np.ndarray, float]:
+    """How far residuals (n,) are off both what was before and what comes after, and its deviation.
+
+    That is the median of BESIDE samples on either side, so far away that LONGEST in a row are none
+    of them; the nearer side counts, and 0 where one is above and one below.
+    """
+    out = np.zeros(len(residual))
+    known = np.flatnonzero(np.isfinite(residual))
+    if len(known) < 2 * (LONGEST + BESIDE):
+        return out, np.inf
+    r = np.pad(residual[known], LONGEST + BESIDE - 1, mode="reflect")
+    middle = np.median(np.lib.stride_tricks.sliding_window_view(r, BESIDE), axis=1)
+    before = residual[known] - middle[: len(known)]
+    after = residual[known] - middle[len(middle) - len(known) :]
+    own = train[known]
+    scale = max(robust_deviation(np.concatenate([before[own], after[own]])), finest)
+    nearer = np.where(np.abs(before) < np.abs(after), before, after)
+    out[known] = np.where(before * after > 0.0, nearer, 0.0)
+    return out, scale
 
 
 def distances(residual: np.ndarray) -> np.ndarray:
@@ -52,15 +101,14 @@ def alike(residual: np.ndarray, kin: np.ndarray, finest: float) -> np.ndarray:
     return np.asarray(known & (np.abs(off) <= ISOLATED * max(robust_deviation(off[known]), finest)))
 
 
-def returning(residual: np.ndarray, repeats: Sequence[np.ndarray]) -> np.ndarray:
-    """Mask (n,) of residuals that stand off from their neighbours in most repeats of their step.
+def returning(off: np.ndarray, repeats: Sequence[np.ndarray]) -> np.ndarray:
+    """Mask (n,) of rows that stand off from others by `off` (n,) in most repeats of their step.
 
     That is what the mechanism does there, as at a stop that only the end of a stroke meets, and no
     mistake; two of three may be mistakes that met. repeats: row numbers (repeats, steps), -1 where
     a cycle lacks one.
     """
-    off = distances(residual)
-    out = np.zeros(len(residual), dtype=bool)
+    out = np.zeros(len(off), dtype=bool)
     for rows in repeats:
         values = np.where(rows >= 0, off[rows], np.nan)
         steps = np.isfinite(values).sum(axis=0) >= FEWEST_REPEATS

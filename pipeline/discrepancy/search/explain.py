@@ -10,7 +10,13 @@ from pipeline.discrepancy.fitting.reform import reformed
 from pipeline.discrepancy.fitting.screen import effects_of
 from pipeline.discrepancy.noise.family import JUDGED, noise_family
 from pipeline.discrepancy.noise.learning import NoisePrior, learn_noise
-from pipeline.discrepancy.problem.outliers import alike, at_commands, isolated, returning
+from pipeline.discrepancy.problem.outliers import (
+    alike,
+    at_commands,
+    distances,
+    isolated,
+    returning,
+)
 from pipeline.discrepancy.problem.problem import Problem
 from pipeline.discrepancy.problem.thinning import sparser
 from pipeline.discrepancy.search.accuracy import within_accuracy
@@ -105,7 +111,8 @@ def searched(problem: Problem) -> Explanation:
     effects = effects_of(problem, candidates)
     settled = settled_rows(problem, prior)
     off = np.where(problem.train, problem.measured - problem.simulated, np.nan)
-    outliers = isolated(off, problem.train, prior.finest) & ~usual(problem, off, prior)
+    repeats = repeats_of(problem, prior)
+    outliers = isolated(off, problem.train, prior.finest, repeats) & ~usual(problem, off, prior)
     used = problem.train & settled & ~outliers
     search = Search(candidates, effects, noise_family(prior, problem, used))
     ground = ground_of(problem, prior.model, used)
@@ -228,30 +235,32 @@ def mistaken_rows(problem: Problem, choice: Choice, prior: NoisePrior) -> np.nda
     """
     fit = choice.fit
     off = np.where(problem.train, problem.measured - fit.predicted, np.nan)
-    out = isolated(off, problem.train, prior.finest)
+    repeats = repeats_of(problem, prior)
+    out = np.zeros(len(off), dtype=bool)
     incredible = np.flatnonzero(fit.ground.used)[np.abs(fit.innovations) > INCREDIBLE]
     if len(incredible) < MOST_INCREDIBLE * fit.ground.count:
         alone = np.diff(incredible, prepend=-9) > 1
         out[incredible[alone]] = True
     left_out = problem.train & settled_rows(problem, prior) & ~fit.ground.used
     out |= left_out & (np.abs(off) > INCREDIBLE * fit.ground.noise.deviation)
+    out &= ~returning(distances(off), repeats)
+    out |= isolated(off, problem.train, prior.finest, repeats)
     return out & ~usual(problem, off, prior)
 
 
 def usual(problem: Problem, off: np.ndarray, prior: NoisePrior) -> np.ndarray:
     """Rows (n,) whose residual `off` (n,) stands off for a reason.
 
-    That is a turn, or as in each cycle or wherever the command is the same, or where a stop of
-    several samples begins as at others.
+    That is a turn, or where a stop of several samples begins as at others.
     """
-    again = at_commands(problem.motion.drive, SAME_COMMAND * problem.around.step)
     stands = problem.motion.stands
     arriving = ~stands & np.append(stands[1:], False)
-    return (
-        turning(problem)
-        | returning(off, [*prior.groups, again])
-        | alike(off, arriving, prior.finest)
-    )
+    return turning(problem) | alike(off, arriving, prior.finest)
+
+
+def repeats_of(problem: Problem, prior: NoisePrior) -> list[np.ndarray]:
+    """Row numbers (repeats, steps) of cycles that repeat each other, and of equal commands."""
+    return [*prior.groups, at_commands(problem.motion.drive, SAME_COMMAND * problem.around.step)]
 
 
 def turning(problem: Problem) -> np.ndarray:

@@ -1,0 +1,68 @@
+"""Frames that are mistaken several in a row: a hand before the camera, a glare that stays."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import pytest
+
+from pipeline.discrepancy.problem.outliers import LONGEST, bursts
+from tests.discrepancy.made import ANGLE, NOISE, STEPS, changed, diagnosed, names, recorded
+
+RUNS = ((45, 4), (170, 2), (400, 5), (530, 3))
+EVERY = np.ones(600, dtype=bool)
+
+
+def noise() -> np.ndarray:
+    return 0.1 * np.random.default_rng(2).standard_normal(600)
+
+
+def marked(runs: Sequence[tuple[int, int]]) -> np.ndarray:
+    rows = np.zeros(600, dtype=bool)
+    for first, count in runs:
+        rows[first : first + count] = True
+    return rows
+
+
+def test_a_few_in_a_row_that_leap_off_and_back_are_found_whole() -> None:
+    residual, rows = noise(), marked(RUNS)
+    residual[rows] += 2.0 * np.repeat([1.0, -1.0, 1.0, 3.0], [count for _, count in RUNS])
+    assert np.array_equal(bursts(residual, EVERY, 1e-6), rows)
+
+
+@pytest.mark.parametrize(
+    "shape",
+    [
+        2.0 * (np.arange(600) > 300),
+        2.0 * ((np.arange(600) > 300) & (np.arange(600) <= 301 + LONGEST)),
+        0.05 * np.abs(np.arange(600) - 300),
+        2.0 * np.exp(-np.abs(np.arange(600) - 300) / 4.0),
+        np.where(np.arange(600) < 300, 0.0, 2.0 * np.exp((300.0 - np.arange(600)) / 6.0)),
+    ],
+    ids=["a slip", "a longer stay", "a corner", "a hump", "a leap that fades"],
+)
+def test_what_stays_or_comes_and_goes_slowly_is_no_burst(shape: np.ndarray) -> None:
+    assert not bursts(noise() + shape, EVERY, 1e-6).any()
+
+
+def test_what_most_cycles_show_at_the_same_steps_is_no_burst() -> None:
+    residual = noise()
+    rows = marked([(37 + 100 * k, 4) for k in range(6)])
+    residual[rows | marked([(270, 3)])] += 2.0
+    found = bursts(residual, EVERY, 1e-6, [np.arange(600).reshape(6, 100)])
+    assert np.flatnonzero(found).tolist() == [270, 271, 272]
+
+
+@pytest.mark.parametrize("hidden", [{}, {"backlash": {"width": 4.0}}], ids=["nothing", "play"])
+def test_a_diagnosis_names_frames_that_were_mistaken_in_a_row(
+    hidden: dict[str, dict[str, float]],
+) -> None:
+    recording = recorded(hidden)
+    angle = recording.values(ANGLE).copy()
+    for cycle, step, count, size in ((0, 70, 4, 30.0), (1, 20, 5, -60.0), (3, 95, 2, 15.0),
+                                     (4, 31, 5, 40.0), (2, 50, 3, -20.0)):  # fmt: skip
+        first = cycle * STEPS + step
+        angle[first : first + count] += size * NOISE
+    found = diagnosed(changed(recording, **{ANGLE: angle}))
+    assert names(found) == {*hidden, "marker_outliers"}
+    assert found.diagnoses[0].noise == pytest.approx(NOISE, rel=0.15)
+    assert found.diagnoses[0].after.heldout_rmse < 1.15 * NOISE
