@@ -1,9 +1,6 @@
 """One bend in a richer form in place of several names."""
 
-from dataclasses import replace
-
-from pipeline.discrepancy.fitting.screen import effects_of
-from pipeline.discrepancy.search.choose import Choice, Search, best_of_each, extended
+from pipeline.discrepancy.search.choose import Choice, Search, among, best_of_each, extended
 from pipeline.discrepancy.search.polish import polished
 from pipeline.physics.catalogue import BEND, richer
 from pipeline.physics.term import Term
@@ -20,9 +17,8 @@ def alone(search: Search, choices: list[Choice]) -> list[Choice]:
     if len(best.fit.pieces) < 2:
         return choices
     problem = base.fit.ground.problem
-    bends = [t for t in unsearched(search) if t.group == BEND]
-    own = replace(search, terms=tuple(bends), effects=effects_of(problem, bends))
-    found = extended(own, base)
+    bends = tuple(t for t in unsearched(search) if t.group == BEND)
+    found = extended(among(search, problem, bends), base)
     if min((c.score for c in found), default=best.score) < best.score:
         return polished(search, [*choices, *found])
     return best_of_each([*choices, *found])

@@ -16,8 +16,9 @@ from pipeline.discrepancy.fitting.fit import (
 )
 from pipeline.discrepancy.fitting.moments import settle_moments
 from pipeline.discrepancy.fitting.reform import reformed
-from pipeline.discrepancy.fitting.screen import Effects, Lead, screen, started
+from pipeline.discrepancy.fitting.screen import Effects, Lead, effects_of, screen, started
 from pipeline.discrepancy.noise.family import WHITE, NoiseFamily
+from pipeline.discrepancy.problem.problem import Problem
 from pipeline.discrepancy.search.after_balance import Key, held, kin_of, with_others_outside
 from pipeline.physics.catalogue import richer
 from pipeline.physics.term import Term
@@ -133,6 +134,11 @@ class Search:
             return False
         residual = (fit.ground.problem.measured - fit.predicted)[fit.ground.used]
         return bool(np.var(residual) > 2.0 * fit.ground.noise.deviation**2)
+
+
+def among(search: Search, problem: Problem, terms: tuple[Term, ...]) -> Search:
+    """The search among other terms."""
+    return replace(search, terms=terms, effects=effects_of(problem, terms), vain={})
 
 
 def names(choice: Choice) -> frozenset[str]:

@@ -5,11 +5,10 @@ from dataclasses import replace
 from pipeline.discrepancy.fitting.reform import reformed
 from pipeline.discrepancy.problem.force_problem import averaged
 from pipeline.discrepancy.problem.problem import Problem
-from pipeline.discrepancy.search.choose import best_of_each, extended
+from pipeline.discrepancy.search.choose import among, best_of_each, extended
 from pipeline.discrepancy.search.explain import Explanation, explain
 from pipeline.discrepancy.search.force_delay import delay_of, late
 from pipeline.discrepancy.search.polish import polished
-from pipeline.discrepancy.search.sprung import among
 from pipeline.physics.catalogue import LATE, SPRUNG
 from pipeline.physics.viscous_friction import ViscousFriction
 

@@ -1,14 +1,9 @@
 """A damper behind a spring in place of dry friction: one remembers time, the other travel."""
 
-from dataclasses import replace
-
 from pipeline.discrepancy.fitting.reform import reformed
-from pipeline.discrepancy.fitting.screen import effects_of
-from pipeline.discrepancy.problem.problem import Problem
-from pipeline.discrepancy.search.choose import Choice, Search, best_of_each, choose
+from pipeline.discrepancy.search.choose import Choice, Search, among, best_of_each, choose
 from pipeline.discrepancy.search.polish import polished
 from pipeline.physics.catalogue import SPRUNG
-from pipeline.physics.term import Term
 
 
 def sprung(search: Search, choices: list[Choice]) -> list[Choice]:
@@ -30,8 +25,3 @@ def sprung(search: Search, choices: list[Choice]) -> list[Choice]:
             found = [*found, search.weighed(reformed(best.fit, k, SPRUNG), best.place)]
     both = polished(among(search, problem, (*search.terms, SPRUNG)), found)
     return best_of_each([*choices, *both])
-
-
-def among(search: Search, problem: Problem, terms: tuple[Term, ...]) -> Search:
-    """The search among other terms."""
-    return replace(search, terms=terms, effects=effects_of(problem, terms), vain={})

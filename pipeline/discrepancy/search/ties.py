@@ -38,8 +38,8 @@ def standing(name: str, best: Choice, choices: list[Choice], problem: Problem) -
 
     Those that are the best one in disguise say nothing, but for slack that may be what bends, and
     for what may be mistaken for this name (`Term.mistaken_for`): it is charged for parameters that
-    tell nothing there, and ties if it fits better. Where one bend of a static curve
-    could stand in its place, each could.
+    tell nothing there, and ties if it fits better. Where one bend of a static curve could stand in
+    its place, each could.
     """
     distinct = by_names(choices)
     weights = weights_of(distinct)
