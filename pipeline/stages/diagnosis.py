@@ -1,5 +1,7 @@
 """Diagnosis: what the simulation of each measurement left out."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from pipeline.config import DiagnosisConfig
@@ -13,9 +15,12 @@ from pipeline.discrepancy.problem.problem import (
     pose_problem,
 )
 from pipeline.discrepancy.problem.scale import refuse_other_scales
+from pipeline.discrepancy.problem.turns import unwrapped
 from pipeline.errors import refusal
 from pipeline.physics.force_motion import position_of
 from pipeline.recording import Recording
+
+LEAPS = "{name} leaps by a whole turn {count} times, as sensors of one turn do: it was taken to go on."
 
 
 def diagnose(config: DiagnosisConfig, recording: Recording) -> DiagnosisResult:
@@ -33,13 +38,15 @@ def diagnose(config: DiagnosisConfig, recording: Recording) -> DiagnosisResult:
                 "recording", "a channel of role 'measurement'", "none", "Add what was measured."
             )
         )
+    recording, leapt = unwrapped(recording)
     refuse_other_scales(recording)
     found = [
         diagnose_measurement(recording, m.name, posed(config, recording, m.name))
         for m in measurements
     ]
+    leaps = tuple(LEAPS.format(name=name, count=count) for name, count in leapt.items())
     return DiagnosisResult(
-        tuple(d for d, _, _ in found),
+        tuple(replace(d, notes=(*leaps, *d.notes)) for d, _, _ in found),
         tuple(e for _, e, _ in found),
         tuple(m for _, _, m in found),
     )
