@@ -20,7 +20,7 @@ from pipeline.errors import refusal
 from pipeline.physics.force_motion import position_of
 from pipeline.recording import Recording
 
-LEAPS = "{name} leaps by a whole turn {count} times, as sensors of one turn do: it was taken to go on."
+LEAPS = "{name} leaps by a whole turn {count} times, as a sensor of one turn: its turns were added."
 
 
 def diagnose(config: DiagnosisConfig, recording: Recording) -> DiagnosisResult:
