@@ -7,6 +7,7 @@ import pandas as pd
 import pytest
 
 from pipeline.config import DiagnosisConfig
+from pipeline.discrepancy.judgement.calibration_note import calibration_note
 from pipeline.discrepancy.judgement.notes import doubled_note, nearer_note, other_simulations_note
 from pipeline.discrepancy.problem.problem import pose_problem
 from pipeline.recording import Channel, Recording, with_context
@@ -52,3 +53,22 @@ def test_simulations_that_nobody_looked_at_are_said():
         "tip_elsewhere_deg simulates tip_deg, too, and was left out: tip_sim_deg"
     )
     assert other_simulations_note(Recording(pd.DataFrame(), CHANNELS, "real"), "tip_deg") == []
+
+
+@pytest.mark.parametrize(
+    ("gain", "looks_like"),
+    [
+        (0.0178, ["a degree in radians"]),
+        (-55.0, ["negative", "a radian in degrees"]),
+        (960.0, ["a thousand:"]),
+        (6.2, ["a turn in radians"]),
+        (-1.01, ["negative"]),
+        (1.4, []),
+    ],
+)
+def test_a_mix_up_of_units_or_sign_is_told_by_the_gain(gain: float, looks_like: list[str]) -> None:
+    note = calibration_note(gain, 0.3, "deg")
+    assert all(words in note for words in looks_like)
+    assert note.count(" is about ") == sum(words != "negative" for words in looks_like)
+    assert ("negative" in note) == ("negative" in looks_like)
+    assert note.startswith("The calibration (gain ")

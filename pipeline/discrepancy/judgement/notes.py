@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from pipeline.discrepancy.fitting.calibration import FAR_OFF
+from pipeline.discrepancy.judgement.calibration_note import calibration_note
 from pipeline.discrepancy.judgement.first_slip import start_note
 from pipeline.discrepancy.judgement.verdict import intolerable
 from pipeline.discrepancy.model.result import Evidence, root_mean
@@ -26,11 +26,7 @@ def notes(
     out = []
     if intolerable(best):
         gain, offset = best.fit.nuisance[:2]
-        out.append(
-            f"The calibration (gain {worded(gain)}, offset {worded(offset)} "
-            f"{problem.around.angle_unit}) is more than {FAR_OFF:.0f} tolerances off: check it, "
-            "or declare `diagnosis.tolerance`."
-        )
+        out.append(calibration_note(float(gain), float(offset), problem.around.angle_unit))
     out += still_note(problem, best) or free_gain_note(problem, best)
     out += start_note(best.fit)
     out += doubled_note(evidence.recording)
