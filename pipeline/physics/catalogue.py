@@ -129,12 +129,20 @@ def richer(term: Term) -> tuple[Term, ...]:
 
 def term(name: str, form: str = "", other_commands: Iterable[str] = ()) -> Term:
     """The term of a name (and form); TermError names those that exist."""
-    every = (*terms(other_commands), *force_terms())
-    found = [t for first in every for t in (first, *richer(first))]
-    found += [richest for t in found for richest in richer(t)]
+    found = with_richer((*terms(other_commands), *force_terms()))
     found += (*SHEATH_FORCES, SPRUNG, LATE)
     same = [t for t in found if t.name == name and form in ("", t.form)]
     if same:
         return next((t for t in same if t.form == form), same[0])
     names = ", ".join(dict.fromkeys(t.name for t in found))
     raise TermError(refusal("physics", f"one of {names}", f"{name} {form}".strip(), "Name one."))
+
+
+def with_richer(some: Iterable[Term]) -> list[Term]:
+    """Terms, and every form that one of their forms leads to, however many steps away."""
+    found = {(t.name, t.form): t for t in some}
+    new = list(found.values())
+    while new:
+        new = [r for t in new for r in richer(t) if (r.name, r.form) not in found]
+        found |= {(t.name, t.form): t for t in new}
+    return list(found.values())

@@ -10,7 +10,9 @@ from pipeline.physics.motion import Motion
 from pipeline.physics.tabled import waved
 from pipeline.physics.term import NO_STATE, Parameter, Surroundings, Term
 
-OVERTONES = {"second": (2,), "third": (3,), "both": (2, 3)}
+OVERTONES = {"second": (2,), "third": (3,), "both": (2, 3), "odd": (3,), "all": (2, 3)}
+EDGES = 3.0
+GOING_ON = {"odd": (5, 7, 9), "all": (4, 5, 6, 7, 8)}
 
 
 @njit(cache=True, fastmath=True, error_model="numpy")
@@ -30,8 +32,11 @@ class TransmissionRipple(Term):
     In the form "second" with its second harmonic too, in the form "third" with its third, as teeth
     that change over in steps leave it, in the form "both" with both. In the forms "afloat" without
     - sin(phase): the zero was not taken where the drive is 0, and where the nominal curve bends
-    that is more than an offset.
-    A period that the drive does not run through at least once and a third is no ripple to be seen.
+    that is more than an offset. In the forms "odd" and "all" the overtones of "third" and "both" go
+    on, each `further` times the one before and as far ahead of it in phase, as what snaps over has
+    them: teeth that seat, a wave with edges.
+    A period that the drive does not run through at least once and a third is no ripple to be seen,
+    and edges that it does not meet three times are not told from a single one.
     Source: kinematic transmission error, e.g. Tuttle and Seering, IEEE Trans. Robotics and
     Automation 12(3) (1996) 368.
     """
@@ -45,7 +50,8 @@ class TransmissionRipple(Term):
         "first afloat": ("second afloat", "third afloat"),
         "second": ("second afloat", "both afloat"),
         "second afloat": ("both afloat",),
-        "third afloat": ("both afloat",),
+        "third afloat": ("both afloat", "odd afloat"),
+        "both afloat": ("all afloat",),
     }
     says = (
         "The drive runs ahead and behind by {amplitude}, again and again every {period} of shaft."
@@ -54,12 +60,14 @@ class TransmissionRipple(Term):
     def __init__(self, form: str = "first") -> None:
         self.form = form
         self.overtones = OVERTONES.get(form.removesuffix(" afloat"), ())
+        self.going_on = GOING_ON.get(form.removesuffix(" afloat"), ())
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
         span, unit = around.drive_span, around.drive_unit
+        longest = span / EDGES if self.going_on else 0.75 * span
         own: tuple[Parameter, ...] = (
             Parameter("amplitude", unit, 0.0, 0.3 * span, 0.02 * span, 0.01 * span),
-            Parameter("period", unit, 2.0 * around.spacing, 0.75 * span, 0.3 * span, 0.0),
+            Parameter("period", unit, 2.0 * around.spacing, longest, 0.4 * longest, 0.0),
             Parameter("phase", "rad", -4.0 * np.pi, 4.0 * np.pi, 0.0, 0.0),
         )
         for times in self.overtones:
@@ -67,6 +75,8 @@ class TransmissionRipple(Term):
                 Parameter(f"amplitude_{times}", unit, 0.0, 0.3 * span, 0.005 * span, 0.01 * span),
                 Parameter(f"phase_{times}", "rad", -4.0 * np.pi, 4.0 * np.pi, 0.0, 0.0),
             )
+        if self.going_on:
+            own += (Parameter("further", "", 0.0, 1.0, 0.5, 0.3),)
         return own
 
     def respond(
@@ -80,20 +90,29 @@ class TransmissionRipple(Term):
 
     def waves(self, values: np.ndarray) -> np.ndarray:
         """How often each wave comes in a period, its amplitude and its phase, (k, 3)."""
-        out = np.empty((1 + len(self.overtones), 3))
-        out[:, 0] = (1.0, *self.overtones)
+        told = 1 + len(self.overtones)
+        out = np.empty((told + len(self.going_on), 3))
+        out[:, 0] = (1.0, *self.overtones, *self.going_on)
         out[0, 1:] = values[0], values[2]
-        out[1:, 1:] = values[3:].reshape(-1, 2)
+        out[1:told, 1:] = values[3 : 1 + 2 * told].reshape(-1, 2)
+        if self.going_on:
+            on = np.arange(1, 1 + len(self.going_on))
+            last, before = out[told - 1], out[told - 2]
+            out[told:, 1] = last[1] * values[-1] ** on
+            out[told:, 2] = last[2] + on * (last[2] - before[2])
         return out
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
         span, amplitude = around.drive_span, 0.002 * around.drive_span
         highest = min(0.25 / max(around.spacing, 1e-9), 30.0 / span)
-        waves = np.arange(1.4 / span, highest, 0.5 / span)
+        fewest = EDGES if self.going_on else 1.4
+        waves = np.arange(fewest / span, highest, 0.5 / span)
         phases = np.arange(4) * np.pi / 4.0
         rows = [[amplitude, 1.0 / f, p] for f in waves for p in phases]
         for _ in self.overtones:
             rows = [[*r, 0.3 * amplitude, p] for r in rows for p in np.arange(4) * np.pi / 2.0]
+        if self.going_on:
+            rows = [[*r, 0.5] for r in rows]
         return np.array(rows).reshape(len(rows), -1)
 
     def scaled(self, values: np.ndarray, factor: float) -> np.ndarray:
@@ -111,7 +130,8 @@ class TransmissionRipple(Term):
 
     def excited(self, motion: Motion, around: Surroundings) -> bool:
         """Where a shaft drives, far enough; a force has no teeth."""
-        return around.drive_unit not in FORCES and around.drive_span > 8.0 * around.spacing > 0.0
+        far = 4.0 * EDGES if self.going_on else 8.0
+        return around.drive_unit not in FORCES and around.drive_span > far * around.spacing > 0.0
 
     def sentence(self, values: np.ndarray, around: Surroundings) -> str:
         """Of several waves the largest one is told."""

@@ -90,6 +90,30 @@ def test_a_ripple_of_three_harmonics_leaves_no_rest():
     assert found.after.heldout_rmse < 1.1 * NOISE
 
 
+def with_wave(form, seed):
+    """A recording with 1.6 deg times `form` of the command on top of its measurement."""
+    recording = recorded({}, seed=seed)
+    wave = form(recording.values("pitch_command_deg"))
+    return changed(recording, **{ANGLE: recording.values(ANGLE) + 1.6 * wave})
+
+
+def test_teeth_that_seat_and_snap_over_leave_no_rest():
+    result = diagnosed(with_wave(lambda u: 2.0 * ((u + 3.0) / 24.0 % 1.0) - 1.0, seed=5))
+    assert names(result) == {"transmission_ripple"}
+    assert result.diagnoses[0].verdict == "explained"
+
+
+def test_one_edge_each_way_is_no_ripple():
+    def snapped(command):
+        out, side = np.empty(len(command)), -1.0
+        for i, u in enumerate(command):
+            side = 1.0 if u > 18.0 else -1.0 if u < -18.0 else side
+            out[i] = side
+        return out
+
+    assert "transmission_ripple" not in names(diagnosed(with_wave(snapped, seed=5)))
+
+
 def test_friction_and_creep_of_one_dwell_list_each_other():
     result = diagnosed(recorded({"friction": {"width": 3.0, "reach": 3.0}}, seed=4))
     physics = result.diagnoses[0].physics

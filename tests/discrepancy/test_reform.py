@@ -41,3 +41,11 @@ def test_play_that_has_settled_soon_is_found_from_one_that_grows_little(growth, 
     begun = improve(evaluate(ground, [steady]), 20)
     assert begun.cost > truth.cost + 30.0
     assert reformed(begun, 0, course).cost < truth.cost + 3.0
+
+
+def test_edges_that_come_less_than_three_times_are_no_teeth():
+    long = {"amplitude": 2.0, "period": 48.0, "phase": 1.0, "amplitude_3": 0.6, "phase_3": 3.0}
+    ground = ground_with({"transmission_ripple/third afloat": long})
+    waves = Piece(term("transmission_ripple", "third afloat"), np.array([*long.values()]))
+    toothed = reformed(evaluate(ground, [waves]), 0, term("transmission_ripple", "odd afloat"))
+    assert toothed.pieces[0].values[1] <= ground.problem.around.drive_span / 3.0

@@ -332,6 +332,21 @@ def test_the_longer_of_two_waves_may_be_told_as_an_overtone():
     assert longer[1] == 26.0
 
 
+def test_overtones_that_go_on_are_a_geometric_series():
+    motion, size, fall, phase = line(-30.0, 30.0, 61), 2.0, 0.3, 1.1
+    turn = 2.0 * np.pi * motion.drive / 13.0 + phase
+    values = [size, 13.0, phase]
+    for times in (2, 3):
+        values += [size * fall ** (times - 1), times * phase]
+    seen = answer(motion, Piece(TransmissionRipple("all afloat"), np.array([*values, fall])))
+    every = size * np.sin(turn) / (1.0 - 2.0 * fall * np.cos(turn) + fall**2)
+    np.testing.assert_allclose(seen - motion.drive, every, atol=3e-4)
+    odd = [*values[:3], size * fall**2, 3.0 * phase, fall**2]
+    seen = answer(motion, Piece(TransmissionRipple("odd afloat"), np.array(odd)))
+    other = -size * np.sin(turn + np.pi) / (1.0 - 2.0 * fall * np.cos(turn + np.pi) + fall**2)
+    np.testing.assert_allclose(seen - motion.drive, 0.5 * (every + other), atol=3e-4)
+
+
 @pytest.mark.parametrize(("late_term", "values"), [(ResponseLag(), [2.0]), (Creep(), [0.3, 5.0])])
 def test_dwells_of_any_length_are_followed_exactly(late_term, values):
     rng = np.random.default_rng(5)

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pipeline.physics.catalogue import force_terms, richer, term, terms
+from pipeline.physics.catalogue import force_terms, term, terms, with_richer
 from pipeline.physics.kinematics import CubicCurve
 from pipeline.physics.mechanism import Mechanism, Piece
 from pipeline.physics.motion import Motion
@@ -13,7 +13,7 @@ from pipeline.physics.term import Surroundings, TermError, values_of
 
 OTHER = "yaw_command_deg"
 CURVE = CubicCurve(0.7, 1e-5)
-EVERY = [t for first in terms([OTHER]) for t in (first, *richer(first))]
+EVERY = with_richer(terms([OTHER]))
 
 
 def triangle(cycles: int = 3, amplitude: float = 60.0, steps: int = 200) -> Motion:
@@ -41,6 +41,12 @@ def around(motion: Motion) -> Surroundings:
 
 def named(t: object) -> str:
     return f"{t.name}-{t.form}"
+
+
+@pytest.mark.parametrize("one", EVERY, ids=lambda t: f"{t.name}/{t.form}")
+def test_every_form_that_a_search_can_reach_is_known_by_its_name(one):
+    known = term(one.name, one.form, [OTHER])
+    assert (known.name, known.form) == (one.name, one.form)
 
 
 @pytest.mark.parametrize("physics", EVERY, ids=named)
@@ -158,6 +164,17 @@ def test_a_force_has_no_teeth_that_could_ripple():
     assert term("transmission_ripple").excited(motion, around(motion))
     pulled = replace(around(motion), drive_unit="N")
     assert not term("transmission_ripple").excited(motion, pulled)
+
+
+@pytest.mark.parametrize("form", ["odd afloat", "all afloat"])
+def test_edges_are_looked_for_where_samples_could_show_three_of_them(form):
+    motion, toothed = triangle(), term("transmission_ripple", form)
+    coarse, finer = (replace(around(motion), spacing=120.0 / n) for n in (9.0, 13.0))
+    assert term("transmission_ripple").excited(motion, coarse)
+    assert not toothed.excited(motion, coarse)
+    assert toothed.excited(motion, finer)
+    assert np.all(toothed.candidates(motion, finer)[:, 1] <= 40.0)
+    assert len(toothed.candidates(motion, finer))
 
 
 def test_of_two_waves_the_larger_one_is_told():

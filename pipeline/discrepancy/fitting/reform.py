@@ -37,9 +37,10 @@ def reformed(fit: Fit, place: int, term: Term) -> Fit:
         for value, name in zip(old.values, had, strict=True):
             if name in names:
                 kept[:, names.index(name)] = value
-        told = _within(fit.ground.box(term), term.retold(np.unique(kept, axis=0)))
+        box = fit.ground.box(term)
+        told = _within(box, term.retold(np.unique(kept, axis=0)))
         fresh = starts if term.own_law else starts[:0]
-        starts = np.vstack([told, fresh]) if len(told) else kept
+        starts = np.vstack([told, fresh]) if len(told) else np.clip(kept, box.low, box.high)
     before, after = fit.pieces[:place], fit.pieces[place + 1 :]
     if any(p.moment for p in parameters_of(fit.ground, term)):
         starts = _sized(fit, place, term, starts)
