@@ -32,8 +32,10 @@ from pipeline.discrepancy.problem.problem import Problem
 from pipeline.discrepancy.problem.thinning import thinned
 from pipeline.discrepancy.search.accuracy import calibrated_alone, within_accuracy
 from pipeline.discrepancy.search.choose import Choice
+from pipeline.discrepancy.search.counted import turning
 from pipeline.discrepancy.search.disguise import undisguised
-from pipeline.discrepancy.search.explain import Explanation, explain, not_excited, turning
+from pipeline.discrepancy.search.excited import not_excited
+from pipeline.discrepancy.search.explain import Explanation, explain
 from pipeline.discrepancy.search.force_late import explained_in_time
 from pipeline.discrepancy.search.foretold import foretold_part, testable
 from pipeline.physics.drift import Drift

@@ -9,13 +9,11 @@ from pipeline.discrepancy.fitting.fit import evaluate, improve
 from pipeline.discrepancy.problem.outliers import at_commands, returning
 from pipeline.discrepancy.search.choose import choose
 from pipeline.discrepancy.search.contested import contested, levelled, rival_names
-from pipeline.discrepancy.search.disguise import as_itself, undisguised
+from pipeline.discrepancy.search.disguise import as_itself, plain_fit, undisguised, with_plain
 from pipeline.discrepancy.search.explain import (
     fitted_with_all,
-    plain_fit,
     refuted,
     searched_wide,
-    with_plain,
 )
 from pipeline.discrepancy.search.moves import loosened, stopped, tautened
 from pipeline.physics.catalogue import term

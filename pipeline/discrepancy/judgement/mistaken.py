@@ -7,7 +7,8 @@ import numpy as np
 from pipeline.discrepancy.model.intervals import undated
 from pipeline.discrepancy.model.result import Estimate, Evidence, NamedPhysics, root_mean
 from pipeline.discrepancy.problem.problem import Problem
-from pipeline.discrepancy.search.explain import INCREDIBLE, Explanation
+from pipeline.discrepancy.search.counted import INCREDIBLE
+from pipeline.discrepancy.search.explain import Explanation
 from pipeline.number_words import worded
 from pipeline.physics.catalogue import term
 

@@ -20,7 +20,8 @@ from pipeline.discrepancy.noise.wander import comes_back
 from pipeline.discrepancy.problem.outliers import isolated
 from pipeline.discrepancy.problem.problem import Problem
 from pipeline.discrepancy.search.choose import Choice
-from pipeline.discrepancy.search.explain import Explanation, settled_rows
+from pipeline.discrepancy.search.counted import settled_rows
+from pipeline.discrepancy.search.explain import Explanation
 from pipeline.discrepancy.search.explain import refuted as unrepeated
 
 TWICE, HALF, FAR = 2.0, 0.5, 1.5

@@ -10,7 +10,8 @@ from pipeline.discrepancy.model.intervals import moment_interval, undated
 from pipeline.discrepancy.problem.outliers import isolated
 from pipeline.discrepancy.problem.problem import Problem
 from pipeline.discrepancy.search.choose import Choice, names
-from pipeline.discrepancy.search.explain import INCREDIBLE, Explanation, settled_rows
+from pipeline.discrepancy.search.counted import INCREDIBLE, settled_rows
+from pipeline.discrepancy.search.explain import Explanation
 
 COARSE = 8
 

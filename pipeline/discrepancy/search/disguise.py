@@ -6,9 +6,17 @@ from dataclasses import dataclass
 import numpy as np
 
 from pipeline.discrepancy.fitting.charge import independent
-from pipeline.discrepancy.fitting.fit import Fit, evaluate, parameters_of
+from pipeline.discrepancy.fitting.fit import Fit, evaluate, improve, parameters_of
+from pipeline.discrepancy.fitting.reform import reformed
 from pipeline.discrepancy.model.intervals import covariance_of
-from pipeline.discrepancy.search.choose import RIVAL_GAP, TIE, Choice, names
+from pipeline.discrepancy.search.choose import (
+    LEAST_GAIN,
+    RIVAL_GAP,
+    TIE,
+    Choice,
+    Search,
+    names,
+)
 from pipeline.physics.mechanism import Piece
 from pipeline.physics.term import Term
 from pipeline.recording import reversals_of
@@ -112,3 +120,32 @@ def where_acting(step: float, fit: Fit, term: Term) -> float:
     around = fit.ground.problem.around
     slope = around.angle_span / max(around.drive_span, 1e-300)
     return step if term.before_curve else step * slope
+
+
+def with_plain(search: Search, choices: list[Choice]) -> list[Choice]:
+    """The choices, the best also as what it is in disguise, where no search came by that.
+
+    Nor does one that came by the same names with much worse sizes.
+    """
+    best = choices[0]
+    wanted = plain(best)
+    if any(names(c) == wanted and c.score < best.score + LEAST_GAIN for c in choices):
+        return choices
+    choice = search.weighed(plain_fit(search, best.fit), best.place)
+    near = names(choice) == wanted and choice.score < best.score + RIVAL_GAP
+    return [*choices, choice] if near else choices
+
+
+def plain_fit(search: Search, fit: Fit) -> Fit:
+    """A fit with each piece that is another one in disguise as that other, begun from its sizes."""
+    shown, spare = plainly(fit), []
+    for k, name in enumerate(shown):
+        if name == fit.pieces[k].term.name:
+            continue
+        forms = [t for t in search.terms if t.name == name]
+        if forms and shown.count(name) == 1:
+            fit = min((reformed(fit, k, form) for form in forms), key=lambda f: f.cost)
+        else:
+            spare.append(k)
+    kept = [p for k, p in enumerate(fit.pieces) if k not in spare]
+    return improve(evaluate(fit.ground, kept)) if spare else fit

@@ -5,24 +5,16 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from pipeline.discrepancy.fitting.fit import ITERATIONS, Fit, evaluate, ground_of, improve
-from pipeline.discrepancy.fitting.reform import reformed
+from pipeline.discrepancy.fitting.fit import ITERATIONS, evaluate, ground_of, improve
 from pipeline.discrepancy.fitting.screen import effects_of
 from pipeline.discrepancy.noise.family import JUDGED, noise_family
 from pipeline.discrepancy.noise.learning import NoisePrior, learn_noise
-from pipeline.discrepancy.problem.outliers import (
-    alike,
-    at_commands,
-    distances,
-    isolated,
-    returning,
-)
+from pipeline.discrepancy.problem.outliers import isolated
 from pipeline.discrepancy.problem.problem import Problem
 from pipeline.discrepancy.problem.thinning import sparser
 from pipeline.discrepancy.search.accuracy import within_accuracy
 from pipeline.discrepancy.search.alone import alone
 from pipeline.discrepancy.search.choose import (
-    LEAST_GAIN,
     RIVAL_GAP,
     SAME,
     Choice,
@@ -32,26 +24,23 @@ from pipeline.discrepancy.search.choose import (
     choose,
     choose_again,
     extended,
-    names,
 )
 from pipeline.discrepancy.search.contested import contested, levelled
-from pipeline.discrepancy.search.disguise import plain, plainly
+from pipeline.discrepancy.search.counted import (
+    mistaken_rows,
+    repeats_of,
+    settled_rows,
+    usual,
+)
+from pipeline.discrepancy.search.disguise import with_plain
+from pipeline.discrepancy.search.excited import excited_terms
 from pipeline.discrepancy.search.foretold import foretelling
 from pipeline.discrepancy.search.polish import polished
 from pipeline.discrepancy.search.sprung import sprung
-from pipeline.physics.catalogue import LATE, force_terms, terms
-from pipeline.physics.term import Term
-from pipeline.recording import reversals_of
 
-MOST_UNSETTLED, MOST_UNREPEATED = 0.3, 0.1
-SAME_RANGE = 0.6
-SAME_LEVEL = 0.05
-SAME_COMMAND = 0.5
-TURN_ROWS = 2
 SURELY = 3.0
 TURNS, STANDING, SETTLED = 4, 1.0, 3
 JUDGED_GAP = 25.0
-INCREDIBLE, MOST_INCREDIBLE = 4.3, 0.03
 
 
 @dataclass(frozen=True)
@@ -197,130 +186,3 @@ def with_slow_terms(search: Search, choices: Sequence[Choice]) -> list[Choice]:
         for child in extended(slow, parent, skip=found):
             found[child.fit.key] = child
     return list(found.values())
-
-
-def with_plain(search: Search, choices: list[Choice]) -> list[Choice]:
-    """The choices, the best also as what it is in disguise, where no search came by that.
-
-    Nor does one that came by the same names with much worse sizes.
-    """
-    best = choices[0]
-    wanted = plain(best)
-    if any(names(c) == wanted and c.score < best.score + LEAST_GAIN for c in choices):
-        return choices
-    choice = search.weighed(plain_fit(search, best.fit), best.place)
-    near = names(choice) == wanted and choice.score < best.score + RIVAL_GAP
-    return [*choices, choice] if near else choices
-
-
-def plain_fit(search: Search, fit: Fit) -> Fit:
-    """A fit with each piece that is another one in disguise as that other, begun from its sizes."""
-    shown, spare = plainly(fit), []
-    for k, name in enumerate(shown):
-        if name == fit.pieces[k].term.name:
-            continue
-        forms = [t for t in search.terms if t.name == name]
-        if forms and shown.count(name) == 1:
-            fit = min((reformed(fit, k, form) for form in forms), key=lambda f: f.cost)
-        else:
-            spare.append(k)
-    kept = [p for k, p in enumerate(fit.pieces) if k not in spare]
-    return improve(evaluate(fit.ground, kept)) if spare else fit
-
-
-def mistaken_rows(problem: Problem, choice: Choice, prior: NoisePrior) -> np.ndarray:
-    """Outliers of a choice's residual: isolated rows, and few that its noise finds incredible.
-
-    Rows that the choice was not fitted to are judged by their distance alone.
-    """
-    fit = choice.fit
-    off = np.where(problem.train, problem.measured - fit.predicted, np.nan)
-    repeats = repeats_of(problem, prior)
-    out = np.zeros(len(off), dtype=bool)
-    incredible = np.flatnonzero(fit.ground.used)[np.abs(fit.innovations) > INCREDIBLE]
-    if len(incredible) < MOST_INCREDIBLE * fit.ground.count:
-        alone = np.diff(incredible, prepend=-9) > 1
-        out[incredible[alone]] = True
-    left_out = problem.train & settled_rows(problem, prior) & ~fit.ground.used
-    out |= left_out & (np.abs(off) > INCREDIBLE * fit.ground.noise.deviation)
-    out &= ~returning(distances(off), repeats)
-    out |= isolated(off, problem.train, prior.finest, repeats)
-    return out & ~usual(problem, off, prior)
-
-
-def usual(problem: Problem, off: np.ndarray, prior: NoisePrior) -> np.ndarray:
-    """Rows (n,) whose residual `off` (n,) stands off for a reason.
-
-    That is a turn, or where a stop of several samples begins as at others.
-    """
-    stands = problem.motion.stands
-    arriving = ~stands & np.append(stands[1:], False)
-    return turning(problem) | alike(off, arriving, prior.finest)
-
-
-def repeats_of(problem: Problem, prior: NoisePrior) -> list[np.ndarray]:
-    """Row numbers (repeats, steps) of cycles that repeat each other, and of equal commands."""
-    return [*prior.groups, at_commands(problem.motion.drive, SAME_COMMAND * problem.around.step)]
-
-
-def turning(problem: Problem) -> np.ndarray:
-    """Rows (n,) next to a reversal of a motion that a force is measured against.
-
-    There dry friction jumps within a row or two: that is a corner and no outlier.
-    """
-    out = np.zeros(len(problem.motion), dtype=bool)
-    if problem.motion.kinetics is not None:
-        turns = reversals_of(problem.motion.drive)
-        near = turns[:, None] + np.arange(-TURN_ROWS, TURN_ROWS + 1)
-        out[np.clip(near, 0, len(out) - 1)] = True
-    return out
-
-
-def excited_terms(problem: Problem) -> tuple[Term, ...]:
-    """Terms that these commands could have shown; outliers are found otherwise.
-
-    What depends on a shaft's angle can't be put into a trace that mixes several of them.
-    """
-    every = terms(problem.motion.others) if problem.motion.kinetics is None else force_terms()
-    return tuple(
-        t
-        for t in every
-        if t.excited(problem.motion, problem.around)
-        and t.name != "marker_outliers"
-        and not (problem.mixed and t.periodic)
-    )
-
-
-def not_excited(problem: Problem) -> tuple[str, ...]:
-    """Names of the catalogue that this recording could not have shown."""
-    every = {t.name for t in (*terms(problem.motion.others), *force_terms())} | {"coupling"}
-    shown = {t.name for t in excited_terms(problem)}
-    shown.add("marker_outliers" if problem.motion.kinetics is None else LATE.name)
-    return tuple(sorted(every - shown))
-
-
-def settled_rows(problem: Problem, prior: NoisePrior) -> np.ndarray:
-    """Rows from the first reversal on: before it, the mechanism may remember an earlier motion.
-
-    All rows where that would cost more than three tenths of them, or more than a tenth where
-    neither a cycle repeats another nor a later stroke the first. All rows, too, of a force where no
-    later rows to fit on go nearly as far: no simulated curve says what a force is there.
-    """
-    out = np.ones(len(problem.motion), dtype=bool)
-    drive = problem.motion.drive
-    turns = reversals_of(drive)
-    again = prior.repeats > 0 or strokes_again(drive, turns)
-    most = MOST_UNSETTLED if again else MOST_UNREPEATED
-    if not (len(turns) and turns[0] < most * len(out)):
-        return out
-    out[: turns[0]] = False
-    later = drive[out & problem.train]
-    far = len(later) and np.ptp(later) > SAME_RANGE * np.ptp(drive[problem.train])
-    return out if far or problem.motion.kinetics is None else np.ones_like(out)
-
-
-def strokes_again(drive: np.ndarray, turns: np.ndarray) -> bool:
-    """Whether a drive (n,) that turns at `turns` makes the stroke that it begins with again."""
-    levels = drive[[0, *turns, len(drive) - 1]]
-    off = np.abs(np.column_stack([levels[2:-1] - levels[0], levels[3:] - levels[1]]))
-    return bool(np.any(np.all(off < SAME_LEVEL * np.ptp(drive), axis=1)))

@@ -1,0 +1,97 @@
+"""Which rows count: those that the mechanism answers to, and in which nothing was mistaken."""
+
+import numpy as np
+
+from pipeline.discrepancy.noise.learning import NoisePrior
+from pipeline.discrepancy.problem.outliers import (
+    alike,
+    at_commands,
+    distances,
+    isolated,
+    returning,
+)
+from pipeline.discrepancy.problem.problem import Problem
+from pipeline.discrepancy.search.choose import Choice
+from pipeline.recording import reversals_of
+
+MOST_UNSETTLED, MOST_UNREPEATED = 0.3, 0.1
+SAME_RANGE = 0.6
+SAME_LEVEL = 0.05
+SAME_COMMAND = 0.5
+TURN_ROWS = 2
+INCREDIBLE, MOST_INCREDIBLE = 4.3, 0.03
+
+
+def mistaken_rows(problem: Problem, choice: Choice, prior: NoisePrior) -> np.ndarray:
+    """Outliers of a choice's residual: isolated rows, and few that its noise finds incredible.
+
+    Rows that the choice was not fitted to are judged by their distance alone.
+    """
+    fit = choice.fit
+    off = np.where(problem.train, problem.measured - fit.predicted, np.nan)
+    repeats = repeats_of(problem, prior)
+    out = np.zeros(len(off), dtype=bool)
+    incredible = np.flatnonzero(fit.ground.used)[np.abs(fit.innovations) > INCREDIBLE]
+    if len(incredible) < MOST_INCREDIBLE * fit.ground.count:
+        alone = np.diff(incredible, prepend=-9) > 1
+        out[incredible[alone]] = True
+    left_out = problem.train & settled_rows(problem, prior) & ~fit.ground.used
+    out |= left_out & (np.abs(off) > INCREDIBLE * fit.ground.noise.deviation)
+    out &= ~returning(distances(off), repeats)
+    out |= isolated(off, problem.train, prior.finest, repeats)
+    return out & ~usual(problem, off, prior)
+
+
+def usual(problem: Problem, off: np.ndarray, prior: NoisePrior) -> np.ndarray:
+    """Rows (n,) whose residual `off` (n,) stands off for a reason.
+
+    That is a turn, or where a stop of several samples begins as at others.
+    """
+    stands = problem.motion.stands
+    arriving = ~stands & np.append(stands[1:], False)
+    return turning(problem) | alike(off, arriving, prior.finest)
+
+
+def repeats_of(problem: Problem, prior: NoisePrior) -> list[np.ndarray]:
+    """Row numbers (repeats, steps) of cycles that repeat each other, and of equal commands."""
+    return [*prior.groups, at_commands(problem.motion.drive, SAME_COMMAND * problem.around.step)]
+
+
+def turning(problem: Problem) -> np.ndarray:
+    """Rows (n,) next to a reversal of a motion that a force is measured against.
+
+    There dry friction jumps within a row or two: that is a corner and no outlier.
+    """
+    out = np.zeros(len(problem.motion), dtype=bool)
+    if problem.motion.kinetics is not None:
+        turns = reversals_of(problem.motion.drive)
+        near = turns[:, None] + np.arange(-TURN_ROWS, TURN_ROWS + 1)
+        out[np.clip(near, 0, len(out) - 1)] = True
+    return out
+
+
+def settled_rows(problem: Problem, prior: NoisePrior) -> np.ndarray:
+    """Rows from the first reversal on: before it, the mechanism may remember an earlier motion.
+
+    All rows where that would cost more than three tenths of them, or more than a tenth where
+    neither a cycle repeats another nor a later stroke the first. All rows, too, of a force where no
+    later rows to fit on go nearly as far: no simulated curve says what a force is there.
+    """
+    out = np.ones(len(problem.motion), dtype=bool)
+    drive = problem.motion.drive
+    turns = reversals_of(drive)
+    again = prior.repeats > 0 or strokes_again(drive, turns)
+    most = MOST_UNSETTLED if again else MOST_UNREPEATED
+    if not (len(turns) and turns[0] < most * len(out)):
+        return out
+    out[: turns[0]] = False
+    later = drive[out & problem.train]
+    far = len(later) and np.ptp(later) > SAME_RANGE * np.ptp(drive[problem.train])
+    return out if far or problem.motion.kinetics is None else np.ones_like(out)
+
+
+def strokes_again(drive: np.ndarray, turns: np.ndarray) -> bool:
+    """Whether a drive (n,) that turns at `turns` makes the stroke that it begins with again."""
+    levels = drive[[0, *turns, len(drive) - 1]]
+    off = np.abs(np.column_stack([levels[2:-1] - levels[0], levels[3:] - levels[1]]))
+    return bool(np.any(np.all(off < SAME_LEVEL * np.ptp(drive), axis=1)))

@@ -1,0 +1,28 @@
+"""What a recording could have shown: the terms to look for, and the names that it could not."""
+
+from pipeline.discrepancy.problem.problem import Problem
+from pipeline.physics.catalogue import LATE, force_terms, terms
+from pipeline.physics.term import Term
+
+
+def excited_terms(problem: Problem) -> tuple[Term, ...]:
+    """Terms that these commands could have shown; outliers are found otherwise.
+
+    What depends on a shaft's angle can't be put into a trace that mixes several of them.
+    """
+    every = terms(problem.motion.others) if problem.motion.kinetics is None else force_terms()
+    return tuple(
+        t
+        for t in every
+        if t.excited(problem.motion, problem.around)
+        and t.name != "marker_outliers"
+        and not (problem.mixed and t.periodic)
+    )
+
+
+def not_excited(problem: Problem) -> tuple[str, ...]:
+    """Names of the catalogue that this recording could not have shown."""
+    every = {t.name for t in (*terms(problem.motion.others), *force_terms())} | {"coupling"}
+    shown = {t.name for t in excited_terms(problem)}
+    shown.add("marker_outliers" if problem.motion.kinetics is None else LATE.name)
+    return tuple(sorted(every - shown))
