@@ -18,7 +18,7 @@ from yaml import MarkedYAMLError
 from pipeline import quick_compose
 from pipeline.config import CONF, Config, register_schemas
 from pipeline.config_check import check_config
-from pipeline.config_errors import explain
+from pipeline.config_errors import explain, refuse_added_keys
 from pipeline.errors import LoopgapError, UsageError, refusal
 from pipeline.job import Job, run_job
 from pipeline.sweep import SWEEP_DIR, Sweep, going_on, sweep_asked
@@ -104,6 +104,7 @@ def _run_job(raw: DictConfig) -> None:
     )
 
     def configure() -> tuple[Config, str]:
+        refuse_added_keys(raw)
         config = OmegaConf.to_object(raw)
         assert isinstance(config, Config)
         check_config(config)

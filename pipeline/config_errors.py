@@ -5,7 +5,10 @@ import difflib
 import re
 import typing
 
+from omegaconf import DictConfig, OmegaConf
+
 from pipeline.config import STEP_RULES, Config, StepRuleConfig
+from pipeline.errors import UsageError
 
 
 def explain(error: BaseException) -> str:
@@ -16,12 +19,25 @@ def explain(error: BaseException) -> str:
     override = getattr(error, "override", None)
     where = f"configuration, {override!r}" if override else "configuration"
     message = f"{where}: {_without_schemas(str(error).strip())}"
+    if "LexerNoViableAltException" in message:
+        message += "\nQuote a value with letters such as ä twice: 'key=\"value\"'."
     extra = re.search(r"Could not find 'hydra/launcher/(?:submitit_)?(slurm|ray)'", message)
     if extra:
         message += f"\nIt comes with an extra: pip install 'loopgap[{extra.group(1)}]'."
     if str(text).splitlines()[0] not in message:
         message += f"\n{text}"
     return message if key is None else f"{message}\n{_what_it_may_be(Config, key.split('.'))}"
+
+
+def refuse_added_keys(config: DictConfig, before: str = "") -> None:
+    """`+key=value` adds a key beside the schema's, which nothing would ever read."""
+    schema = OmegaConf.get_type(config)
+    for name in config:
+        here = f"{before}.{name!s}" if before else str(name)
+        if dataclasses.is_dataclass(schema) and name not in _fields(typing.cast(type, schema)):
+            raise UsageError(f"configuration: {_neighbours(before, str(name), schema)}")
+        if not OmegaConf.is_missing(config, name) and OmegaConf.is_dict(config._get_node(name)):
+            refuse_added_keys(config[name], here)
 
 
 def _without_schemas(text: str) -> str:

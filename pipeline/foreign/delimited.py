@@ -54,7 +54,7 @@ def _table(path: Path, reading: ReadingConfig) -> ForeignTable:
     body = kept[first:]
     _check_widths(path, body, separator, len(names))
     samples = _parse(path, [line for _, line in body], separator, len(names), reading.decimal)
-    columns = {name: samples[i].to_numpy() for i, name in enumerate(names)}
+    columns = {name: _numbered(samples[i], reading.decimal) for i, name in enumerate(names)}
     numbers = np.array([number for number, _ in body], dtype=int)
     named = f"Cells were parted at {separator!r} (`reading.separator`). "
     named += names_from(f"line {kept[0][0]}", with_header)
@@ -123,6 +123,15 @@ def _check_widths(path: Path, body: list[tuple[int, str]], separator: str, width
                         else "Mend the row, or give `reading.separator`, `reading.skip_rows`, "
                         "`reading.comment`.")
             )  # fmt: skip
+
+
+def _numbered(column: pd.Series, decimal: str) -> np.ndarray:
+    """A column; where one cell is no number pandas leaves all as text, their decimals with them."""
+    if decimal == "." or column.dtype.kind in "biuf":
+        return column.to_numpy()
+    pointed = column.map(lambda cell: str(cell).replace(decimal, "."), na_action="ignore")
+    numbers = pd.to_numeric(pointed, errors="coerce")
+    return column.astype(object).where(numbers.isna(), numbers).to_numpy()
 
 
 def _parse(path: Path, lines: list[str], separator: str, width: int, decimal: str) -> pd.DataFrame:

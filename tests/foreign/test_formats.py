@@ -12,7 +12,9 @@ import pandas as pd
 import pytest
 import scipy.io
 
+from pipeline.config_importing import ReadingConfig
 from pipeline.errors import LoopgapError, UsageError
+from pipeline.foreign.delimited import read_delimited
 from tests.foreign.mapped import import_from, mapping
 
 COUNT = 60
@@ -231,6 +233,17 @@ BAD: list[tuple[str, Callable[[Path], object], str]] = [
     ("not.db3", lambda path: path.write_text("x" * 2000), "expected a whole bag"),
     ("empty_folder", lambda path: path.mkdir(), "found no npy files"),
 ]  # fmt: skip
+
+
+def test_a_word_among_decimal_commas_is_what_the_message_shows(tmp_path):
+    path = tmp_path / "log.csv"
+    path.write_text("t;cmd;ang\n0;0,5;1\n1;0,7;2\n2;stuck;3\n")
+    table = read_delimited(path, ReadingConfig(decimal=","))
+    with pytest.raises(
+        LoopgapError, match="line 4, column 'cmd': expected a number; found 'stuck'"
+    ):
+        table.numbers("cmd")
+    assert table.numbers("ang").tolist() == [1, 2, 3]
 
 
 @pytest.mark.parametrize(("name", "write", "words"), BAD, ids=[b[0] for b in BAD])
