@@ -14,7 +14,7 @@ ENOUGH = 0.7
 MOST_LEFT = 0.1
 UNFOLLOWED = 0.7
 FORM_ERROR = 0.05
-ODDS = 2.0
+ODDS, BESIDE = 2.0, 3.0
 
 
 def intolerable(choice: Choice) -> bool:
@@ -37,12 +37,19 @@ def follows(explanation: Explanation, choice: Choice) -> bool:
 def sure_of_slow(explanation: Explanation, best: Choice) -> Choice:
     """The best choice, without its drift and slips where they may be noise that wanders.
 
-    Where cycles repeat, such a zero is nothing to be named: the odds against it must be 2 to 1.
+    Where cycles repeat, such a zero is nothing to be named by itself: the odds against it must be 2
+    to 1. Beside other names the simulation is known to leave things out, and a zero that walks is
+    told as the drift or slip that fits about as well.
     """
-    if explanation.prior.repeats == 0 or not best.fit.slow:
+    others = names(best) - best.fit.slow
+    if explanation.prior.repeats == 0 or (others and best.fit.slow):
         return best
-    quiet = names(best) - best.fit.slow
-    fewer_slow = [c for c in explanation.choices if quiet <= names(c) < names(best)]
+    if others:
+        slow = [c for c in explanation.choices if c.fit.slow and names(c) - c.fit.slow == others]
+        still = [c for c in slow if c.place[1] <= best.place[1] and c.place[2] < best.place[2]]
+        told = min(still, key=lambda c: c.score, default=best)
+        return told if told.score < best.score + BESIDE else best
+    fewer_slow = [c for c in explanation.choices if names(c) < names(best)]
     rivals = [c for c in fewer_slow if wanders(c.place)]
     rival = min(rivals, key=lambda c: c.score, default=best)
     return rival if rival.score < best.score + 2.0 * np.log(ODDS) else best

@@ -1,0 +1,52 @@
+"""Which names a verdict bears: a zero that wanders may be a drift, or noise."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from pipeline.discrepancy.fitting.fit import evaluate
+from pipeline.discrepancy.judgement.verdict import sure_of_slow
+from pipeline.discrepancy.search.choose import Choice, Place, names
+from pipeline.discrepancy.search.explain import Explanation
+from pipeline.physics.catalogue import term
+from pipeline.physics.mechanism import Piece
+from tests.discrepancy.made import explained, recorded
+
+DRIFT = Piece(term("drift", "linear"), np.array([0.3]))
+PLAY = Piece(term("backlash"), np.array([4.0]))
+STILL, WALKS, JITTERS = (0, 0, 0), (0, 0, 4), (0, 3, 0)
+
+
+@pytest.fixture(scope="module")
+def found() -> Explanation:
+    return explained(recorded({"backlash": {"width": 4.0}}))
+
+
+def chosen(found: Explanation, *weighed: tuple[tuple[Piece, ...], Place, float]) -> frozenset[str]:
+    """The names that stay of choices: their pieces, where their noise lies, and their scores."""
+    ground = found.choices[0].fit.ground
+    choices = [Choice(evaluate(ground, pieces), place, score) for pieces, place, score in weighed]
+    choices.sort(key=lambda c: c.score)
+    return names(sure_of_slow(replace(found, choices=choices), choices[0]))
+
+
+@pytest.mark.parametrize(("behind", "named"), [(2.0, True), (3.5, False)])
+def test_beside_other_names_noise_that_walks_is_told_as_the_drift_that_fits_as_well(
+    found: Explanation, behind: float, named: bool
+) -> None:
+    still = ((PLAY, DRIFT), STILL, behind)
+    assert ("drift" in chosen(found, ((PLAY,), WALKS, 0.0), still)) == named
+
+
+def test_a_drift_is_not_told_in_place_of_other_noise(found: Explanation) -> None:
+    assert chosen(found, ((PLAY,), WALKS, 0.0), ((PLAY, DRIFT), JITTERS, 1.0)) == {"backlash"}
+    assert chosen(found, ((PLAY,), JITTERS, 0.0), ((PLAY, DRIFT), STILL, 1.0)) == {"backlash"}
+
+
+@pytest.mark.parametrize(("ahead", "named"), [(1.0, False), (2.0, True)])
+def test_by_itself_a_drift_needs_odds_against_noise_that_walks(
+    found: Explanation, ahead: float, named: bool
+) -> None:
+    kept = chosen(found, ((DRIFT,), STILL, 0.0), ((), WALKS, ahead))
+    assert kept == ({"drift"} if named else frozenset())
