@@ -286,3 +286,14 @@ def test_a_browser_shows_the_pictures_in_the_colours_of_the_words(
     pixels = cv2.imread(str(picture)).reshape(-1, 3).astype(int)
     for rgb in ((213, 94, 0), (0, 114, 178), (110, 110, 110)):
         assert (np.abs(pixels - rgb[::-1]).max(axis=1) < 12).sum() > 100, rgb
+
+
+def test_one_explanation_alone_is_not_weighed(tmp_path: Path) -> None:
+    """A lone row of 100 % would contradict how sure its name is said to be."""
+    several = evidence()
+    alone = replace(several, hypotheses=several.hypotheses[:1])
+    for folder, found in ((tmp_path / "several", several), (tmp_path / "alone", alone)):
+        write_report(folder, [diagnosis("explained")], [found], [None])
+    texts = [(tmp_path / n / "report.html").read_text("utf-8") for n in ("several", "alone")]
+    assert ["Explanations that were weighed" in text for text in texts] == [True, False]
+    assert "90 %" in texts[0]
