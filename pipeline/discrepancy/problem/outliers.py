@@ -4,12 +4,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from pipeline.discrepancy.problem.spikes import NEIGHBOURS, off_both_sides
 from pipeline.recording import branch_of
 
 ISOLATED = 5.0
 RETURNS, FEWEST_REPEATS = 0.5, 3
 FEWEST_KIN = 4
-LONGEST, BESIDE = 5, 3
+LONGEST = 5
 SUDDEN = 0.6
 
 
@@ -56,21 +57,15 @@ def bursts(
 def heights(residual: np.ndarray, train: np.ndarray, finest: float) -> tuple[np.ndarray, float]:
     """How far residuals (n,) are off both what was before and what comes after, and its deviation.
 
-    That is the median of BESIDE samples on either side, so far away that LONGEST in a row are none
-    of them; the nearer side counts, and 0 where one is above and one below.
+    See `off_both_sides`: LONGEST in a row are none of the samples that each is compared with.
     """
     out = np.zeros(len(residual))
     known = np.flatnonzero(np.isfinite(residual))
-    if len(known) < 2 * (LONGEST + BESIDE):
+    if len(known) < 2 * (LONGEST + NEIGHBOURS):
         return out, np.inf
-    r = np.pad(residual[known], LONGEST + BESIDE - 1, mode="reflect")
-    middle = np.median(np.lib.stride_tricks.sliding_window_view(r, BESIDE), axis=1)
-    before = residual[known] - middle[: len(known)]
-    after = residual[known] - middle[len(middle) - len(known) :]
-    own = train[known]
-    scale = max(robust_deviation(np.concatenate([before[own], after[own]])), finest)
-    nearer = np.where(np.abs(before) < np.abs(after), before, after)
-    out[known] = np.where(before * after > 0.0, nearer, 0.0)
+    nearer, sides = off_both_sides(residual[known], LONGEST - 1)
+    scale = max(robust_deviation(sides[:, train[known]].ravel()), finest)
+    out[known] = nearer
     return out, scale
 
 

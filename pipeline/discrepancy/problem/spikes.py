@@ -33,13 +33,8 @@ def lone_spikes(values: np.ndarray) -> Spikes:
     nothing = Spikes(np.zeros(len(values), dtype=bool), np.zeros(len(values)), 1.0)
     if len(values) < 4 * NEIGHBOURS:
         return nothing
-    padded = np.concatenate([values[NEIGHBOURS:0:-1], values, values[-2 : -2 - NEIGHBOURS : -1]])
-    windows = np.lib.stride_tricks.sliding_window_view(padded, NEIGHBOURS)
-    middle = np.median(windows, axis=1)
-    before, after = values - middle[: len(values)], values - middle[NEIGHBOURS + 1 :]
-    nearer = np.where(np.abs(before) < np.abs(after), before, after)
-    height = np.where(before * after > 0, nearer, 0.0)
-    scale = 1.4826 * float(np.median(np.abs(np.concatenate([before, after]))))
+    height, sides = off_both_sides(values, 0)
+    scale = 1.4826 * float(np.median(np.abs(sides)))
     step = np.abs(np.diff(values, prepend=values[1], append=values[-2]))
     sudden = np.minimum(step[:-1], step[1:]) > SUDDEN * np.abs(height)
     lone = sudden & (np.abs(height) > APART_DEVIATIONS * scale)
@@ -47,3 +42,16 @@ def lone_spikes(values: np.ndarray) -> Spikes:
         return nothing
     deviations = float(np.max(np.abs(height))) / scale
     return Spikes(lone, height, float(min(1.0, 2.0 * len(values) * ndtr(-deviations))))
+
+
+def off_both_sides(values: np.ndarray, gap: int) -> tuple[np.ndarray, np.ndarray]:
+    """How far values (m,) are off both what was before and what comes after, and from each (2, m).
+
+    That is the median of NEIGHBOURS values on either side, with `gap` values left out between; the
+    nearer side counts, and 0 where one is above and one below.
+    """
+    around = np.pad(values, gap + NEIGHBOURS, mode="reflect")
+    middle = np.median(np.lib.stride_tricks.sliding_window_view(around, NEIGHBOURS), axis=1)
+    sides = values - np.stack([middle[: len(values)], middle[len(middle) - len(values) :]])
+    nearer = np.where(np.abs(sides[0]) < np.abs(sides[1]), sides[0], sides[1])
+    return np.where(sides[0] * sides[1] > 0, nearer, 0.0), sides
