@@ -21,7 +21,7 @@ from pipeline.config_check import check_config
 from pipeline.config_errors import explain, refuse_added_keys
 from pipeline.errors import LoopgapError, UsageError, refusal
 from pipeline.job import Job, run_job
-from pipeline.sweep import SWEEP_DIR, Sweep, going_on, sweep_asked
+from pipeline.sweep import SWEEP_DIR, Sweep, going_on, options_first, sweep_asked
 
 INTERRUPTED = 130
 UNUSABLE = 1
@@ -39,6 +39,7 @@ def run_command_line() -> int:
     signal.signal(signal.SIGTERM, _interrupt)
     register_schemas(ConfigStore.instance())
     quick_compose.install()
+    sys.argv[1:] = options_first(sys.argv[1:])
     try:
         sweep = sweep_asked(sys.argv[1:], CONF)
         if sweep is None:

@@ -13,6 +13,7 @@ from math import prod
 from pathlib import Path
 
 from hydra import compose, initialize_config_dir
+from hydra._internal.utils import get_args_parser
 from hydra.core.override_parser.overrides_parser import OverridesParser
 
 from pipeline.errors import UsageError, refusal
@@ -87,11 +88,23 @@ def going_on(arguments: Sequence[str], folder: Path) -> str:
     return shlex.join(["loopgap", *rest, f"{key}{folder}"])
 
 
+def options_first(arguments: Sequence[str]) -> list[str]:
+    """The arguments in an order that Hydra's parser takes: it allows no option between overrides.
+
+    Unknown options end the program with the parser's message.
+    """
+    overrides = get_args_parser().parse_intermixed_args(arguments).overrides
+    return [a for a in arguments if a not in overrides] + overrides
+
+
 def _count(arguments: Sequence[str], conf: Path) -> int:
     """Jobs of a sweep: the product of its choices, those of the configuration included."""
     parser = OverridesParser.create()
-    asked = parser.parse_overrides([a for a in arguments if not a.startswith("-")])
+    told = get_args_parser().parse_intermixed_args(arguments)
+    asked = parser.parse_overrides(told.overrides)
     plain = [o.input_line or "" for o in asked if not o.is_sweep_override()]
+    if told.config_dir is not None:
+        plain.append(f"hydra.searchpath=[file://{Path(told.config_dir).resolve()}]")
     with initialize_config_dir(str(conf), version_base="1.3"):
         settings = compose("config", overrides=plain, return_hydra_config=True).hydra
     params = [f"{k}={v}" for k, v in (settings.sweeper.get("params") or {}).items()]

@@ -115,6 +115,29 @@ def test_help_names_every_stage_and_no_schema(monkeypatch, capsys):
     assert "schema" not in said
 
 
+def test_options_may_stand_between_overrides(tmp_path, monkeypatch, capsys):
+    (tmp_path / "conf" / "training").mkdir(parents=True)
+    (tmp_path / "conf" / "training" / "mine.yaml").write_text("reg_covar: 0.125\n")
+    asked = ["seed=7", "--config-dir", str(tmp_path / "conf"), "training=mine"]
+    assert loopgap(monkeypatch, *asked, "--cfg", "job") == 0
+    said = capsys.readouterr().out
+    assert "seed: 7" in said
+    assert "0.125" in said
+
+
+def test_a_sweep_with_a_configuration_of_ones_own(tmp_path, monkeypatch, capsys):
+    (tmp_path / "conf" / "importing").mkdir(parents=True)
+    (tmp_path / "conf" / "importing" / "mine.yaml").write_text(
+        "tables: {log: {time: {column: t}, channels:"
+        " {a_command_deg: {column: u, role: command, unit: deg}}}}"
+    )
+    (tmp_path / "log.csv").write_text("t,u\n" + "".join(f"{k},{k % 7}\n" for k in range(30)))
+    asked = ["stages=[importing]", "-m", "seed=1,2", "--config-dir", str(tmp_path / "conf"), BASIC,
+             "importing=mine", f"importing.path={tmp_path}/log.csv"]  # fmt: skip
+    assert loopgap(monkeypatch, *asked, f"hydra.sweep.dir={tmp_path}/out") == 0
+    assert "2 done, 0 failed, 0 left" in capsys.readouterr().out
+
+
 def test_an_error_comes_first_and_then_how_to_go_on(tmp_path, monkeypatch, capsys):
     arguments = ["stages=[diagnosis]", f"recording={tmp_path}/none", f"hydra.run.dir={tmp_path}"]
     assert loopgap(monkeypatch, *arguments) == 1
@@ -147,7 +170,7 @@ def test_sweep_shares_the_recording_and_leaves_one_table(small_run, tmp_path, mo
 def test_second_job_of_a_sweep_uses_the_first_ones_frames(tmp_path, monkeypatch):
     arguments = ["-m", *SMALL, BASIC, "acquisition.cycles=1", f"hydra.sweep.dir={tmp_path}",
                  "stages=[acquisition,vision]", "training.n_init=1,2"]  # fmt: skip
-    assert loopgap(monkeypatch, *arguments) == 1  # no metrics: listed as incomplete
+    assert loopgap(monkeypatch, *arguments) == 0
     assert (tmp_path / "0" / "vision").is_dir()
     assert not (tmp_path / "1" / "vision").exists()
     assert [f.name[:6] for f in (tmp_path / "shared").glob("vision-*")] == ["vision"]

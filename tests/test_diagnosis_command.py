@@ -128,6 +128,20 @@ def test_prediction_answers_later_commands(tmp_path, monkeypatch):
     assert 0.9 < np.mean(np.abs(error) < 1.96 * deviation) < 0.99
 
 
+def test_a_log_says_what_a_diagnosis_is_at(tmp_path, monkeypatch, capsys):
+    save_recording(a_recording(2.0), tmp_path / "recording")
+    asked = ["stages=[diagnosis]", f"recording={tmp_path}/recording", "cache.use=false"]
+    assert loopgap(monkeypatch, *asked, f"hydra.run.dir={tmp_path}/out") == 0
+    said = capsys.readouterr()
+    begun = [
+        "  pitch_angle_deg (1 of 1): searching what was left out",
+        "  pitch_angle_deg: where it was left out, and what to record next",
+        "  drawing the figures and the report",
+    ]
+    assert said.err.splitlines() == begun
+    assert not set(begun) & set(said.out.splitlines())
+
+
 def test_prediction_without_a_model_says_what_it_needs(tmp_path, monkeypatch, capsys):
     save_recording(a_recording(2.0, cycles=3), tmp_path / "recording")
     arguments = ["stages=[prediction]", f"recording={tmp_path / 'recording'}",

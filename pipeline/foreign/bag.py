@@ -63,8 +63,9 @@ def _connections(path: Path, bag: AnyReader, topic: str | None) -> list[Connecti
     if len(kinds) != 1:
         there = sorted({f"{c.topic} ({c.msgtype})" for c in bag.connections})
         names = [c.topic for c in bag.connections]
+        expected = "a topic of one message type" if kinds else "a topic of the bag"
         raise UsageError(
-            refusal(f"{path}, reading.topic", "a topic of one message type",
+            refusal(f"{path}, reading.topic", expected,
                     f"{topic!r}; there are {', '.join(there) or 'none'}",
                     suggestion(topic or "", names) + "Name one of these.")
         )  # fmt: skip
@@ -76,7 +77,7 @@ def _messages(bag: AnyReader, connections: list[Connection]) -> Iterator[tuple[i
     total = sum(c.msgcount for c in connections)
     stream = bag.messages(connections=connections)
     for connection, moment_ns, raw in tqdm(
-        stream, total=total, desc=f"  {connections[0].topic}", leave=False, delay=1.0
+        stream, total=total, desc=f"  {connections[0].topic}", leave=False, delay=1.0, disable=None
     ):
         yield moment_ns, bag.deserialize(raw, connection.msgtype)
 

@@ -36,7 +36,7 @@ def lookup(times_s: np.ndarray, wanted_s: np.ndarray, rule: str) -> Lookup:
     last = len(times_s) - 1
     before = np.clip(np.searchsorted(times_s, wanted_s, side="right") - 1, 0, last)
     after = np.minimum(before + 1, last)
-    span = np.maximum(times_s[after] - times_s[before], np.finfo(float).tiny)
+    span = np.where(after == before, 1.0, times_s[after] - times_s[before])
     share = np.where(after == before, 0.0, (wanted_s - times_s[before]) / span)
     share = np.clip(share, 0.0, 1.0)
     if rule == "previous":

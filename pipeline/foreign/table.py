@@ -33,7 +33,7 @@ def parsing(where: str, expected: str, remedy: str) -> Iterator[None]:
     except LoopgapError:
         raise
     except Exception as error:
-        found = str(error).strip() or type(error).__name__
+        found = str(error).strip().rstrip(".") or type(error).__name__
         raise ForeignFileError(refusal(where, expected, found, remedy)) from error
 
 
@@ -139,7 +139,8 @@ def suggestion(wanted: str, names: Sequence[str]) -> str:
 
 def _remedy(text: str) -> str:
     if "," in text and text.replace(",", ".", 1).replace(".", "", 1).lstrip("+-").isdigit():
-        return "If that is a decimal comma, set `reading.decimal: ','`."
+        return ("If that is a decimal comma, set `reading.decimal: ','` (csv and its kin, xlsx); "
+                "elsewhere write numbers.")  # fmt: skip
     if not pd.isna(pd.to_datetime(text, errors="coerce", format="ISO8601")):
         return TAKE_AS_DATE
     return ("Correct it or leave it empty; rows of units or remarks are left out with "

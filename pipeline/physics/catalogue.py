@@ -134,8 +134,10 @@ def term(name: str, form: str = "", other_commands: Iterable[str] = ()) -> Term:
     same = [t for t in found if t.name == name and form in ("", t.form)]
     if same:
         return next((t for t in same if t.form == form), same[0])
-    names = ", ".join(dict.fromkeys(t.name for t in found))
-    raise TermError(refusal("physics", f"one of {names}", f"{name} {form}".strip(), "Name one."))
+    forms = [f"{name}/{t.form}" if t.form else name for t in found if t.name == name]
+    names = forms or list(dict.fromkeys(t.name for t in found))
+    asked = f"{name}/{form}" if form else name
+    raise TermError(refusal("terms", f"one of {', '.join(names)}", repr(asked), "Name one."))
 
 
 def with_richer(some: Iterable[Term]) -> list[Term]:

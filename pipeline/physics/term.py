@@ -211,9 +211,15 @@ class Term:
         return self.says.format(**named)
 
 
-def values_of(term: Term, around: Surroundings, named: Mapping[str, float]) -> np.ndarray:
+def values_of(
+    term: Term,
+    around: Surroundings,
+    named: Mapping[str, float],
+    usual: Surroundings | None = None,
+) -> np.ndarray:
     """Parameters by name as an array in the term's order; starts where none is given.
 
+    usual: surroundings that the starts are of, where `around` is wider than the motion.
     Raises TermError for a name that the term does not have or a value outside its bounds.
     """
     parameters = term.parameters(around)
@@ -223,8 +229,9 @@ def values_of(term: Term, around: Surroundings, named: Mapping[str, float]) -> n
         raise TermError(
             refusal(f"term {term.name!r}", f"parameters {names}", unknown[0], "Name one of these.")
         )
-    for p in parameters:
-        value = named.get(p.name, p.start)
+    starts = parameters if usual is None else term.parameters(usual)
+    values = [named.get(p.name, p.start) for p in starts]
+    for p, value in zip(parameters, values, strict=True):
         if not p.low <= value <= p.high:
             raise TermError(
                 refusal(
@@ -234,4 +241,4 @@ def values_of(term: Term, around: Surroundings, named: Mapping[str, float]) -> n
                     "Choose one within.",
                 )
             )
-    return np.array([named.get(p.name, p.start) for p in parameters], dtype=float)
+    return np.array(values, dtype=float)

@@ -24,7 +24,7 @@ from pipeline.runners.diagnosis import (
     write_pages,
 )
 from pipeline.runners.evaluation import landing, trial_commands
-from pipeline.runners.run_folder import Run, made
+from pipeline.runners.run_folder import Run, made, say_now
 from pipeline.stages.acquisition import protocol
 from pipeline.stages.evaluation import evaluate
 from pipeline.stages.simulation import simulate
@@ -40,9 +40,8 @@ def run_close_the_gap(run: Run) -> None:
         for number in range(1, config.rounds + 1):
             folder = run.folder / f"round-{number}"
             whole = _joined(whole, _recorded(run, laboratory, commands, folder))
-            answered = answer(
-                run.config.diagnosis, [simulate(run.config.simulation, _without_encoders(whole))]
-            )
+            simulated = simulate(run.config.simulation, _without_encoders(whole))
+            answered = answer(run.config.diagnosis, [simulated], say_now)
             write_answer(answered, folder)
             write_pages(answered, folder)
             print(f"  round {number}: {summary(answered.diagnoses[0])}")

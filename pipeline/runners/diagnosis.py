@@ -1,7 +1,7 @@
 """Diagnosis and prediction of a run: what a simulation left out, and what it says without it."""
 
 import json
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -24,7 +24,7 @@ from pipeline.recording import (
     save_recording,
     write_atomically,
 )
-from pipeline.runners.run_folder import Run, made
+from pipeline.runners.run_folder import Run, made, say_now
 from pipeline.runners.simulation import with_simulation
 from pipeline.stages.diagnosis import diagnose
 from pipeline.stages.prediction import predict
@@ -51,8 +51,9 @@ def run_diagnosis(run: Run) -> None:
     }
     for name, recording in recordings.items():
         save_recording(recording, run.folder / "diagnosis" / name)
-    answered = answer(run.config.diagnosis, list(recordings.values()))
+    answered = answer(run.config.diagnosis, list(recordings.values()), say_now)
     write_answer(answered, run.folder)
+    say_now("drawing the figures and the report")
     write_pages(answered, run.folder)
     for evidence in answered.evidence:
         file = made(run.folder / "diagnosis") / f"{file_stem(evidence.measurement)}.csv"
@@ -63,23 +64,31 @@ def run_diagnosis(run: Run) -> None:
     print(f"  report, opens in any browser: {run.folder / 'report.html'}")
 
 
-def answer(config: DiagnosisConfig, recordings: Sequence[Recording]) -> Answered:
+def answer(
+    config: DiagnosisConfig,
+    recordings: Sequence[Recording],
+    say: Callable[[str], object] = lambda _: None,
+) -> Answered:
     """Diagnose recordings that bring their simulations; say where and what next.
 
     The matrices are small: more than one BLAS thread only makes them wait for each other.
+    `say` is told what is begun.
     """
     with threadpool_limits(1):
-        return _answer(config, recordings)
+        return _answer(config, recordings, say)
 
 
-def _answer(config: DiagnosisConfig, recordings: Sequence[Recording]) -> Answered:
-    results = [diagnose(config, recording) for recording in recordings]
+def _answer(
+    config: DiagnosisConfig, recordings: Sequence[Recording], say: Callable[[str], object]
+) -> Answered:
+    results = [diagnose(config, recording, say) for recording in recordings]
     diagnoses = [d for r in results for d in r.diagnoses]
     evidence = [e for r in results for e in r.evidence]
-    accounts = [
-        with_account(d, e, commands_file(d.measurement, len(diagnoses)))
-        for d, e in zip(diagnoses, evidence, strict=True)
-    ]
+    accounts = []
+    for diagnosis, proof in zip(diagnoses, evidence, strict=True):
+        name = diagnosis.measurement
+        say(f"{name}: where it was left out, and what to record next")
+        accounts.append(with_account(diagnosis, proof, commands_file(name, len(diagnoses))))
     return Answered(
         tuple(d for d, _, _ in accounts),
         tuple(e for _, e, _ in accounts),

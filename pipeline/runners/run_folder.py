@@ -123,7 +123,7 @@ def measured_axes(recording: Recording) -> list[str]:
 
 @contextmanager
 def progress_bar(title: str, total: int) -> Iterator[Callable[[int], None]]:
-    """A bar on a terminal; in a plain log a line a minute."""
+    """A bar on a terminal; in a plain log a line a minute: on stderr, for neither is a result."""
     on_terminal = sys.stderr.isatty()
     said_s = began_s = time.monotonic()
     done = 0
@@ -137,9 +137,14 @@ def progress_bar(title: str, total: int) -> Iterator[Callable[[int], None]]:
             if not on_terminal and now_s - said_s > PLAIN_EVERY_S:
                 said_s = now_s
                 left_s = (now_s - began_s) * (total - done) / max(done, 1)
-                print(f"  {title}: {done} of {total}, {duration(left_s)} to go", flush=True)
+                say_now(f"{title}: {done} of {total}, {duration(left_s)} to go")
 
         yield tick
+
+
+def say_now(doing: str) -> None:
+    """Say what is being done, at once, also into a plain log: no result, so to stderr."""
+    print(f"  {doing}", file=sys.stderr, flush=True)
 
 
 def made(folder: Path) -> Path:

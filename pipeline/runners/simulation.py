@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 from omegaconf import OmegaConf
 from omegaconf.errors import OmegaConfBaseException
-from yaml import YAMLError
+from yaml import MarkedYAMLError, YAMLError
 
 from pipeline.config import Config, SimulatedAxis, SimulationConfig
 from pipeline.errors import LoopgapError, UsageError, refusal
@@ -116,16 +116,26 @@ def read_axes(path: str) -> dict[str, SimulatedAxis]:
     ) as error:
         raise UsageError(
             refusal(path, "measurement: {command, gain, cubic, terms: [- name: {width: 3}]}",
-                    str(error).splitlines()[0], "See conf/simulation/mechanism.yaml.")
+                    _first_words(error), "See conf/simulation/mechanism.yaml.")
         ) from error  # fmt: skip
     assert isinstance(axes, SimulationConfig)
     return axes.axes
+
+
+def _first_words(error: Exception) -> str:
+    """What is wrong, in a line; of broken YAML the problem and its line."""
+    if isinstance(error, MarkedYAMLError) and error.problem_mark is not None:
+        return f"in line {error.problem_mark.line + 1}: {error.problem}"
+    return str(error).splitlines()[0]
 
 
 def _axis(entry: dict[str, Any]) -> dict[str, Any]:
     terms = entry.get("terms") or {}
     if isinstance(terms, list):
         listed = [{term: {}} if isinstance(term, str) else term for term in terms]
-        terms = {name: values for term in listed for name, values in term.items()}
+        named = [(name, values) for term in listed for name, values in term.items()]
+        terms = dict(named)
+        if len(terms) < len(named):
+            raise ValueError(f"a term twice among {', '.join(name for name, _ in named)}")
     numbers = {k: {n: float(x) for n, x in (v or {}).items()} for k, v in terms.items()}
     return {**entry, "terms": numbers}

@@ -1,5 +1,6 @@
 """Diagnosis: what the simulation of each measurement left out."""
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -23,10 +24,15 @@ from pipeline.recording import Recording
 LEAPS = "{name} leaps by a whole turn {count} times, as a sensor of one turn: its turns were added."
 
 
-def diagnose(config: DiagnosisConfig, recording: Recording) -> DiagnosisResult:
+def diagnose(
+    config: DiagnosisConfig,
+    recording: Recording,
+    say: Callable[[str], object] = lambda _: None,
+) -> DiagnosisResult:
     """Name the physics that the simulation of each measurement left out.
 
     Every measurement needs its simulation channel in the recording (see `stages/simulation.py`).
+    `say` is told which measurement is begun.
     Raises DiagnosisError where it has none, where there are too few samples, or where numbers are
     too large or too close to each other to reckon with.
     """
@@ -40,10 +46,11 @@ def diagnose(config: DiagnosisConfig, recording: Recording) -> DiagnosisResult:
         )
     recording, leapt = unwrapped(recording)
     refuse_other_scales(recording)
-    found = [
-        diagnose_measurement(recording, m.name, posed(config, recording, m.name))
-        for m in measurements
-    ]
+    found = []
+    for number, measurement in enumerate(m.name for m in measurements):
+        say(f"{measurement} ({number + 1} of {len(measurements)}): searching what was left out")
+        problem = posed(config, recording, measurement)
+        found.append(diagnose_measurement(recording, measurement, problem))
     leaps = tuple(LEAPS.format(name=name, count=count) for name, count in leapt.items())
     return DiagnosisResult(
         tuple(replace(d, notes=(*leaps, *d.notes)) for d, _, _ in found),

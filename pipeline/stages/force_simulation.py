@@ -1,5 +1,7 @@
 """What a list of terms makes of a position, as force."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from pipeline.config import SimulationConfig
@@ -8,7 +10,7 @@ from pipeline.physics.assembly import pieces_of
 from pipeline.physics.force_motion import force_motion
 from pipeline.physics.force_units import position_unit
 from pipeline.physics.mechanism import Mechanism
-from pipeline.physics.term import Surroundings
+from pipeline.physics.term import Surroundings, TermError
 from pipeline.recording import Recording
 
 BOUNDLESS = 1e12
@@ -43,5 +45,10 @@ def force_answer(
         drive_unit=position_unit(recording.channel(position).unit),
         angle_unit=recording.channel(name).unit,
     )
-    pieces = pieces_of(axis.terms, around)
+    measured = recording.values(name)[np.isfinite(recording.values(name))]
+    usual = replace(around, angle_span=max(float(np.ptp(measured)), 1e-9) if measured.size else 1.0)
+    try:
+        pieces = pieces_of(axis.terms, around, usual)
+    except TermError as error:
+        raise UsageError(f"simulation of {name!r}, {error}") from error
     return Mechanism(pieces=pieces).respond(motion)[0]

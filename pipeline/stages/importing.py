@@ -223,7 +223,8 @@ def _filled(samples: pd.DataFrame, channel: str, rule: str) -> pd.Series:
 def _source(config: ImportingConfig, accounts: Mapping[str, TableAccount]) -> str:
     parts = [config.source]
     for account in accounts.values():
-        name = account.where.rsplit("/", 1)[-1]
+        file, comma, topic = account.where.partition(", topic ")
+        name = file.rsplit("/", 1)[-1] + comma + topic
         parts.append(f"{account.resampled} resampling of {name}" if account.resampled else name)
     return "; ".join(parts)
 

@@ -20,12 +20,13 @@ from pipeline.physics.force_units import RADIAN
 from pipeline.physics.kinematics import CubicCurve
 from pipeline.physics.mechanism import Mechanism
 from pipeline.physics.motion import Motion
-from pipeline.physics.term import Surroundings
+from pipeline.physics.term import Surroundings, TermError
 from pipeline.recording import CONTEXT_COLUMNS, Channel, Recording
 from pipeline.stages.force_simulation import force_answer
 
 OTHERS = "simulation=identity, affine, trace, mechanism or python"
 LONG_S = 10.0
+WIDE = 10.0  # bounds of terms: the user may mean another motion than the recorded one
 
 
 def simulate(
@@ -169,16 +170,20 @@ def _mechanism_answer(
         others=others,
         radian=RADIAN.get(unit, 1.0),
     )
-    around = _surroundings(axis, recording, motion, unit)
-    mechanism = Mechanism(CubicCurve(axis.gain, axis.cubic), pieces_of(axis.terms, around))
+    usual, around = (_surroundings(axis, recording, motion, unit, w) for w in (1.0, WIDE))
+    try:
+        pieces = pieces_of(axis.terms, around, usual)
+    except TermError as error:
+        raise UsageError(f"simulation of {name!r}, {error}") from error
+    mechanism = Mechanism(CubicCurve(axis.gain, axis.cubic), pieces)
     return mechanism.respond(motion)[0]
 
 
 def _surroundings(
-    axis: SimulatedAxis, recording: Recording, motion: Motion, unit: str
+    axis: SimulatedAxis, recording: Recording, motion: Motion, unit: str, wide: float = 1.0
 ) -> Surroundings:
-    """Bounds of the terms: wide, for the user may mean another motion than the recorded one."""
-    span = 10.0 * max(float(np.ptp(motion.drive)), 1e-9)
+    """The recorded motion, `wide` times as wide."""
+    span = wide * max(float(np.ptp(motion.drive)), 1e-9)
     angle = abs(axis.gain) * span
     steps = np.diff(motion.time_s)
     return Surroundings(
@@ -192,7 +197,7 @@ def _surroundings(
         travel=max(float(np.abs(np.diff(motion.drive)).sum()), 1e-9),
         drive_unit=recording.channel(axis.command).unit,
         angle_unit=unit,
-        other_span={n: 10.0 * float(np.ptp(v)) for n, v in motion.others.items()},
+        other_span={n: wide * float(np.ptp(v)) for n, v in motion.others.items()},
         other_unit={n: recording.channel(n).unit for n in motion.others},
     )
 

@@ -1,6 +1,7 @@
 """Collection: one long table over the jobs of a sweep, and how to come by what it lacks."""
 
 import shlex
+from collections.abc import Sequence
 from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
@@ -9,12 +10,13 @@ import pandas as pd
 
 from pipeline.recording import write_atomically
 from pipeline.tracking.jobs import DONE, ORIGIN, Job, read_jobs
-from pipeline.tracking.planned import settings
+from pipeline.tracking.planned import config_options, settings
 from pipeline.tracking.tables import METRIC_COLUMNS, markdown
 
 RESULTS_FILE = "results.parquet"
 REPEAT_FILE = "repeat.sh"
 INCOMPLETE_COLUMNS = ["job", "status", "error", "command"]
+NOTHING = "None of these jobs measured anything that a table could show: look into their folders."
 SUMMARY_KEYS = ["axis", "method", "metric", "unit"]
 
 
@@ -37,7 +39,7 @@ def collect(sweep: Path) -> Collection:
 
     results.parquet and results.csv (`Collection.results`), results.md (what is there and what is
     not), repeat.sh (the commands that repeat the incomplete jobs; none if there are none). A job
-    that failed, was never started or left no numbers is listed, never dropped. UsageError if there
+    that failed, was never started or lost its numbers is listed, never dropped. UsageError if there
     is no job at all.
     """
     collection = gather(sweep)
@@ -57,9 +59,12 @@ def gather(sweep: Path) -> Collection:
     overrides = _typed(pd.DataFrame([settings(job.overrides) for job in jobs]))
     heads = pd.DataFrame([(j.name, j.status, j.error) for j in jobs],
                          columns=["job", "status", "error"]).join(overrides)  # fmt: skip
-    done = [job for job in jobs if job.status == DONE and job.metrics is not None]
+    done = [job for job in jobs if job.status == DONE]
+    options = config_options(sweep)
     incomplete = [
-        (job.name, job.status, job.error, command(job, sweep)) for job in jobs if job not in done
+        (job.name, job.status, job.error, command(job, sweep, options))
+        for job in jobs
+        if job not in done
     ]
     return Collection(
         _stacked(done, heads.drop(columns=["status", "error"])),
@@ -68,10 +73,10 @@ def gather(sweep: Path) -> Collection:
     )
 
 
-def command(job: Job, sweep: Path) -> str:
+def command(job: Job, sweep: Path, options: Sequence[str] = ()) -> str:
     """The command that runs just this job, into its place in the sweep."""
     place = (sweep / job.name).resolve()
-    return shlex.join(["loopgap", *job.overrides, f"hydra.run.dir={place}"])
+    return shlex.join(["loopgap", *options, *job.overrides, f"hydra.run.dir={place}"])
 
 
 def parquet(table: pd.DataFrame) -> bytes:
@@ -109,7 +114,10 @@ def _report(collection: Collection) -> str:
         parts.append(
             f"## Incomplete\n\n{markdown(lacking)}\n`sh {REPEAT_FILE}` repeats just these.\n"
         )
-    parts.append(f"## All jobs together\n\n{markdown(_summary(collection.results))}")
+    if collection.results.empty:
+        parts.append(f"{NOTHING}\n")
+    else:
+        parts.append(f"## All jobs together\n\n{markdown(_summary(collection.results))}")
     parts.append(f"Every number: {RESULTS_FILE}, results.csv ({len(collection.results)} rows).\n")
     return "\n".join(parts)
 

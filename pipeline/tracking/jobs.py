@@ -30,7 +30,8 @@ ORIGIN = ("commit", "config_hash", "data_hash")
 class Job:
     """One job: its folder's name, its overrides as given, how it ended, and what it left.
 
-    `origin` has `ORIGIN`'s commit and hashes; `metrics` is there if the job is done.
+    `origin` has `ORIGIN`'s commit and hashes; `metrics` is there if the job is done, None where
+    none of its stages measures anything.
     """
 
     name: str
@@ -77,7 +78,7 @@ def _read(folder: Path, plan: Plan | None) -> Job:
     try:
         metrics = _metrics(folder, set(given))
         return Job(name, overrides, DONE, "", _origin(folder), metrics)
-    except (*UNREADABLE, KeyError) as error:
+    except (*UNREADABLE, KeyError, TypeError) as error:
         return Job(name, overrides, "no results", str(error))
 
 
@@ -98,8 +99,11 @@ def _given(folder: Path, settings_given: dict[str, str]) -> list[str]:
     return [f"{key}={value}" for key, value in settings_given.items()]
 
 
-def _metrics(folder: Path, keys: set[str]) -> pd.DataFrame:
-    """All numbers that the stages of a job measured; ValueError if there are none."""
+def _metrics(folder: Path, keys: set[str]) -> pd.DataFrame | None:
+    """All numbers that the stages of a job measured, None if they measure nothing.
+
+    ValueError if what they left is there no more.
+    """
     tables = []
     for file in sorted(folder.glob(f"*/{METRICS_FILE}")):
         table = pd.read_csv(file, dtype={"method": str, "axis": str})
@@ -111,9 +115,14 @@ def _metrics(folder: Path, keys: set[str]) -> pd.DataFrame:
         if twice:
             raise ValueError(f"{where}: column {twice[0]} is an override as well")
         tables.append(table.astype({"cycle": "Int64", "n": "Int64", "value": float}))
-    if not tables:
-        raise ValueError(f"no */{METRICS_FILE}: none of its stages measures anything")
-    return pd.concat(tables, ignore_index=True)
+    if tables:
+        return pd.concat(tables, ignore_index=True)
+    noted = json.loads((folder / "provenance.json").read_text(encoding="utf-8"))
+    left = [name for stage in noted["stages"] for name in stage["outputs"]]
+    lost = [name for name in left if Path(name).name == METRICS_FILE]
+    if lost:
+        raise ValueError(f"{lost[0]} is not there any more")
+    return None
 
 
 def _origin(folder: Path) -> dict[str, str]:

@@ -42,6 +42,16 @@ def read_plan(sweep: Path) -> Plan | None:
     return Plan(jobs, experiment)
 
 
+def config_options(sweep: Path) -> list[str]:
+    """`--config-dir DIR` where the sweep was begun with one of its user's own."""
+    try:
+        sources = read_yaml(sweep / PLAN_FILE)["hydra"]["runtime"]["config_sources"]
+        own = [source["path"] for source in sources if source["provider"] == "command-line"]
+    except (*UNREADABLE, KeyError, TypeError):
+        return []
+    return [part for folder in own for part in ("--config-dir", str(folder))]
+
+
 def read_yaml(file: Path) -> Any:
     """What a YAML file says, as plain lists and mappings; one of `UNREADABLE` if it can't."""
     return OmegaConf.to_container(OmegaConf.load(file), resolve=False)

@@ -124,6 +124,7 @@ def test_joints_by_name_commands_held_and_images_at_their_rows(kind, tmp_path):
     held = [2.0 * (step // 2) for step in range(18)]
     assert recording.values("command_deg").tolist() == [*held, 16.0, 16.0]
     assert imported.account.filled == {"command_deg": 2}  # behind the last command
+    assert f"previous resampling of {kind}, topic /command (std_msgs/msg/F" in recording.source
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -162,7 +163,8 @@ def test_a_missing_topic_lists_those_there_are_with_their_types(tmp_path):
     config.tables["joints"].reading.topic = "/joint_state"
     with pytest.raises(
         UsageError,
-        match=r"'/joint_state'; there are /command \(std_msgs/msg/Float64\), /image \(sensor.*"
+        match=r"a topic of the bag; found '/joint_state'; there are /command "
+        r"\(std_msgs/msg/Float64\), /image \(sensor.*"
         r"Did you mean '/joint_states'",
     ):
         import_from(bag(tmp_path), config)

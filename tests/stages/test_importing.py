@@ -192,3 +192,11 @@ def test_infinite_numbers_are_refused(tmp_path):
     angle = [0.0, np.inf, *range(2, 12)]
     with pytest.raises(LoopgapError, match=r"line 3, column 'ang'.*a finite number; found inf"):
         import_from(written(tmp_path, ang=angle), one_table())
+
+
+def test_rows_long_after_a_tables_end_are_outside_without_a_warning(tmp_path, recwarn):
+    config = mapping(TWO_TABLES)
+    times_ms = 5000 + 100 * np.arange(12) ** 2
+    imported = import_from(written(tmp_path, t=times_ms), config)
+    assert imported.account.tables["model"].rows_outside == 10
+    assert not recwarn.list

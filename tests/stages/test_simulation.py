@@ -168,3 +168,31 @@ def test_a_mechanism_is_read_from_a_list_of_terms(tmp_path):
     file.write_text("pitch_angle_deg: {comand: pitch_command_deg}\n")
     with pytest.raises(UsageError, match=r"comand"):
         with_simulation(config, a_recording())
+
+
+def listed(folder, terms: str, more: str = "") -> Config:
+    file = folder / "mine.yaml"
+    head = f"pitch_angle_deg: {{command: pitch_command_deg, terms: {terms}}}\n"
+    file.write_text(head + more)
+    return Config(simulation=SimulationConfig("mechanism", path=str(file)))
+
+
+def test_a_term_without_numbers_has_the_size_of_the_recorded_motion(tmp_path):
+    answer = with_simulation(listed(tmp_path, "[backlash]"), a_recording())
+    width = 0.05 * 100.0  # of a command that goes from 50 to -50 deg
+    assert answer.values("pitch_angle_sim_deg")[19] == pytest.approx(50.0 - width / 2)
+
+
+@pytest.mark.parametrize(
+    ("terms", "more", "words"),
+    [
+        ("[backslash: {}]", "", "'pitch_angle_deg', terms: expected one of .*found 'backslash'"),
+        ("[drift/often]", "", "expected one of drift/linear, .*; found 'drift/often'"),
+        ("[backlash: {width: -1}]", "", "'pitch_angle_deg', term 'backlash', parameter 'width'"),
+        ("[backlash, backlash]", "", "found a term twice among backlash, backlash"),
+        ("[]", "pitch_angle_deg: {}", "line 2: found duplicate key pitch_angle_deg"),
+    ],
+)
+def test_a_mechanism_that_can_not_be_says_where(terms, more, words, tmp_path):
+    with pytest.raises(UsageError, match=words):
+        with_simulation(listed(tmp_path, terms, more), a_recording())

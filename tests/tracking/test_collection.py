@@ -1,3 +1,4 @@
+import json
 import shlex
 import shutil
 from pathlib import Path
@@ -54,6 +55,26 @@ def test_failed_and_unfinished_jobs_are_listed(tmp_path: Path) -> None:
     report = (tmp_path / "results.md").read_text()
     assert "# 1 of 5 jobs" in report
     assert "no such port" in report
+
+
+def test_a_job_whose_stages_measure_nothing_is_done(tmp_path: Path) -> None:
+    folder = add_job(tmp_path, "0", {"recording": "mine"})
+    (folder / "evaluation/metrics.csv").unlink()
+    left = {"stage": "diagnosis", "inputs": {}, "outputs": {"diagnosis.json": "hash"}}
+    (folder / "provenance.json").write_text(json.dumps({"code": {}, "stages": [left]}))
+    assert collect(tmp_path).incomplete.empty
+    report = (tmp_path / "results.md").read_text()
+    assert "# 1 of 1 jobs" in report
+    assert "look into their folders" in report
+
+
+def test_jobs_of_ones_own_configuration_are_repeated_with_it(tmp_path: Path) -> None:
+    plan(tmp_path, "importing=mine", seed="1,2")
+    with (tmp_path / "multirun.yaml").open("a") as file:
+        file.write("\n    config_sources: [{path: /home/me/my conf, provider: command-line},"
+                   " {path: /conf, provider: main}]")  # fmt: skip
+    command = collect(tmp_path).incomplete["command"][0]
+    assert shlex.split(command)[:4] == ["loopgap", "--config-dir", "/home/me/my conf", "seed=1"]
 
 
 def test_jobs_that_never_began_are_known_by_the_plan(tmp_path: Path) -> None:
