@@ -108,7 +108,7 @@ def test_blocks_answer_as_all_at_once(physics):
 
 
 def test_a_term_of_no_name_is_refused_with_those_that_exist():
-    with pytest.raises(TermError, match=r"one of lost_steps, .*stiffness; found unobtainium"):
+    with pytest.raises(TermError, match=r"one of lost_steps, .*stiffness; found 'unobtainium'"):
         term("unobtainium")
 
 
