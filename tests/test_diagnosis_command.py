@@ -10,8 +10,10 @@ import pandas as pd
 import pytest
 
 from pipeline import app
+from pipeline.discrepancy.model.model import ModelError
 from pipeline.discrepancy.model.result import VERDICTS
 from pipeline.recording import Channel, Recording, save_recording
+from pipeline.runners.diagnosis import stored_models
 
 CHANNELS = (
     Channel("pitch_command_deg", "command", "deg"),
@@ -150,6 +152,45 @@ def test_prediction_without_a_model_says_what_it_needs(tmp_path, monkeypatch, ca
     assert "model=RUN_DIR" in capsys.readouterr().err
     assert loopgap(monkeypatch, *arguments, f"model={tmp_path}") == 2
     assert "a run with stages=[diagnosis]" in capsys.readouterr().err
+
+
+def test_a_model_that_corrects_a_moving_simulation_is_asked_with_the_same(
+    tmp_path, monkeypatch, capsys
+):
+    whole = a_recording(4.0)
+    bare = replace(whole, channels=CHANNELS[:2]).samples.drop(columns="pitch_angle_sim_deg")
+    save_recording(Recording(bare, CHANNELS[:2], "test"), tmp_path / "recording")
+    asked = bare.drop(columns="pitch_angle_deg").head(300)
+    save_recording(Recording(asked, CHANNELS[:1], "test"), tmp_path / "asked")
+    (tmp_path / "mine.yaml").write_text(
+        "pitch_angle_deg: {command: pitch_command_deg, gain: 0.75, terms: [backlash: {width: 3}]}"
+    )
+    simulated = ["simulation=mechanism", f"simulation.path={tmp_path}/mine.yaml"]
+    diagnosis = ["stages=[diagnosis]", f"recording={tmp_path}/recording", *simulated]
+    assert loopgap(monkeypatch, *diagnosis, f"hydra.run.dir={tmp_path}/out") == 0
+    prediction = ["stages=[prediction]", f"model={tmp_path}/out", f"recording={tmp_path}/asked",
+                  f"hydra.run.dir={tmp_path}/predicted"]  # fmt: skip
+    assert loopgap(monkeypatch, *prediction) == 1
+    assert "or the same `simulation=`" in capsys.readouterr().err
+    assert loopgap(monkeypatch, *prediction, *simulated) == 0
+    said = pd.read_csv(tmp_path / "predicted" / "predictions.csv")["pitch_angle_deg_predicted"]
+    clean = 0.76 * with_play(asked["pitch_command_deg"].to_numpy(), 4.0) + 0.4
+    assert np.sqrt(np.mean((said - clean) ** 2)) < 0.2
+
+
+def test_a_broken_model_is_refused(tmp_path, monkeypatch, capsys):
+    save_recording(a_recording(2.0, cycles=3), tmp_path / "recording")
+    (tmp_path / "model.json").write_text('{"models": [{"sch')
+    asked = ["stages=[prediction]", f"recording={tmp_path}/recording", f"model={tmp_path}"]
+    assert loopgap(monkeypatch, *asked, f"hydra.run.dir={tmp_path}/out") == 1
+    assert "model.json: expected the models that a diagnosis left" in capsys.readouterr().err
+
+
+def test_a_model_that_couples_needs_the_other_command(tmp_path):
+    term = {"name": "coupling", "form": "yaw_command_deg/play", "parameters": {}}
+    (tmp_path / "model.json").write_text(json.dumps({"models": [{"terms": [term]}]}))
+    with pytest.raises(ModelError, match="the command 'yaw_command_deg' that the model was fitted"):
+        stored_models(tmp_path / "model.json", a_recording(2.0, cycles=3))
 
 
 def test_recording_that_is_too_short_is_refused(tmp_path, monkeypatch, capsys):

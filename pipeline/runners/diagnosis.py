@@ -12,7 +12,7 @@ from threadpoolctl import threadpool_limits
 from pipeline.config import Config, DiagnosisConfig
 from pipeline.discrepancy.account import with_account
 from pipeline.discrepancy.model import model as stored
-from pipeline.discrepancy.model.model import CorrectedModel
+from pipeline.discrepancy.model.model import CorrectedModel, ModelError
 from pipeline.discrepancy.model.result import Diagnosis, Evidence, as_json
 from pipeline.discrepancy.next_experiment import Proposal
 from pipeline.errors import UsageError, refusal
@@ -25,7 +25,7 @@ from pipeline.recording import (
     write_atomically,
 )
 from pipeline.runners.run_folder import Run, made, say_now
-from pipeline.runners.simulation import with_simulation
+from pipeline.runners.simulation import asked_for, with_simulation
 from pipeline.stages.diagnosis import diagnose
 from pipeline.stages.prediction import predict
 from pipeline.tracking.report import write_report
@@ -173,29 +173,36 @@ def run_prediction(run: Run) -> None:
                     "Point `model=` at the folder of a run with stages=[diagnosis].")
         )  # fmt: skip
     models = stored_models(file, recording)
-    recording = with_forces(run.config, recording, models)
+    recording = with_simulations(run.config, recording, models)
     predictions = predict(models, recording, run.config.diagnosis.cutoff_hz)
     write_atomically(run.folder / "predictions.csv", predictions.to_csv(index=False))
     print(f"  {len(predictions)} rows in {run.folder / 'predictions.csv'}")
 
 
-def with_forces(
+def with_simulations(
     config: Config, recording: Recording, models: Sequence[CorrectedModel]
 ) -> Recording:
-    """The recording with the simulated forces that models correct, as the configuration says.
+    """The recording with the simulations that models correct, as the configuration says.
 
-    Raises UsageError where a model needs a simulation and nothing brings one.
+    Of a motion that is only one that was asked for: the kinematics that stand there unasked are no
+    trace that a model may have been fitted to. Raises UsageError where a force's model needs a
+    simulation and nothing brings one.
     """
-    for model in models:
-        name = model.measurement
-        if not (model.force and model.simulated) or recording.simulation_of(name) is not None:
-            continue
-        if name not in {c.name for c in recording.channels}:
-            nothing = np.full(len(recording.samples), np.nan)
-            recording = recording.with_channel(Channel(name, "measurement", model.unit), nothing)
-        recording = with_simulation(config, recording)
-        channel = recording.simulation_of(name)
-        if channel is None or not np.any(recording.values(channel.name)):
+    asked = asked_for(config.simulation)
+    moving = [m for m in models if (m.simulated if m.force else asked and not m.static)]
+    lacking = [m for m in moving if recording.simulation_of(m.measurement) is None]
+    if not lacking:
+        return recording
+    there = {c.name for c in recording.channels}
+    nothing = np.full(len(recording.samples), np.nan)
+    for model in models if config.simulation.kind == "python" else lacking:
+        if model.measurement not in there:
+            channel = Channel(model.measurement, "measurement", model.unit)
+            recording = recording.with_channel(channel, nothing)
+    recording = with_simulation(config, recording)
+    for name in (m.measurement for m in lacking if m.force):
+        found = recording.simulation_of(name)
+        if found is None or not np.any(recording.values(found.name)):
             raise UsageError(
                 refusal(f"simulation of {name!r}", "the one that the diagnosis had", "none",
                         "Say the same simulation=, or add its channel to the recording.")
@@ -204,11 +211,29 @@ def with_forces(
 
 
 def stored_models(file: Path, recording: Recording) -> list[CorrectedModel]:
-    """The models of a run's model.json, for the commands of a recording."""
+    """The models of a run's model.json, for the commands of a recording.
+
+    Raises ModelError where the file is none, or a command is missing that couples in.
+    """
+    try:
+        entries = json.loads(file.read_text(encoding="utf-8"))["models"]
+    except (ValueError, KeyError, TypeError) as error:
+        raise ModelError(
+            refusal(str(file), "the models that a diagnosis left", f"{error}", "Diagnose anew.")
+        ) from error
     commands = [c.name for c in recording.with_role("command")]
+    for entry in entries:
+        told = [entry, *entry.get("rivals", [])]
+        coupled = [t["form"] for e in told for t in e.get("terms", []) if t["name"] == "coupling"]
+        for name in (form.partition("/")[0] for form in coupled):
+            if name not in commands:
+                raise ModelError(
+                    refusal("recording", f"the command {name!r} that the model was fitted with",
+                            f"commands {', '.join(commands) or 'none'}", "Name the channel so.")
+                )  # fmt: skip
     return [
         stored.from_json(entry, [c for c in commands if c != entry["drive"] or not entry["static"]])
-        for entry in json.loads(file.read_text())["models"]
+        for entry in entries
     ]
 
 

@@ -15,6 +15,8 @@ from pipeline.errors import LoopgapError, UsageError, refusal
 from pipeline.recording import Recording, load_recording
 from pipeline.stages.simulation import simulate
 
+LONG_GAP = 5.0  # times the median step
+
 
 def with_simulation(config: Config, recording: Recording) -> Recording:
     """The recording with a simulation of every measurement; a trace's resampling is said."""
@@ -25,8 +27,7 @@ def with_simulation(config: Config, recording: Recording) -> Recording:
         for c in recording.with_role("measurement")
         if recording.simulation_of(c.name) is None
     ]
-    asked = settings.kind not in ("recorded", "mechanism") or settings.path is not None
-    if asked and not lacking:
+    if asked_for(settings) and not lacking:
         print("  the recording brings its own simulation of each measurement: "
               f"simulation={settings.kind} is not used")  # fmt: skip
     if settings.kind == "trace" and lacking:
@@ -38,6 +39,11 @@ def with_simulation(config: Config, recording: Recording) -> Recording:
     return simulate(settings, recording, heldout, cutoff_hz=cutoff_hz)
 
 
+def asked_for(settings: SimulationConfig) -> bool:
+    """Whether somebody named this simulation; else it is the twin's, or none."""
+    return settings.kind not in ("recorded", "mechanism") or settings.path is not None
+
+
 def _say(trace: pd.DataFrame, recording: Recording) -> None:
     own, wanted = trace["time_s"].to_numpy(float), recording.values("time_s")
     outside = int(((wanted < own[0]) | (wanted > own[-1])).sum())
@@ -46,6 +52,10 @@ def _say(trace: pd.DataFrame, recording: Recording) -> None:
         f"  simulation: {len(own)} samples, one each {np.median(np.diff(own)):.4g} s, resampled to "
         f"the recording's times (straight between samples){left if outside else ''}"
     )
+    for name in trace.columns.drop("time_s"):
+        steps = np.diff(own[np.isfinite(trace[name].to_numpy(float))])
+        if steps.max() > LONG_GAP * np.median(steps):
+            print(f"    {name}: its longest gap, {steps.max():.4g} s, is bridged straight, too")
 
 
 def read_trace(path: str | None, measurements: list[str]) -> pd.DataFrame:
@@ -83,6 +93,13 @@ def read_trace(path: str | None, measurements: list[str]) -> pd.DataFrame:
                     "Name each column after the measurement that it simulates.")
         )  # fmt: skip
     numbers = table[wanted].apply(pd.to_numeric, errors="coerce")
+    for name in wanted:
+        text = np.flatnonzero(numbers[name].isna() & table[name].notna())
+        if text.size:
+            raise LoopgapError(
+                refusal(f"{path}, column {name!r}, row {text[0]} (from 0)", "a number",
+                        repr(str(table[name].iloc[text[0]])), "Correct it or leave it empty.")
+            )  # fmt: skip
     time_s = numbers["time_s"].to_numpy(float)
     if len(time_s) < 2 or not np.all(np.diff(time_s) > 0):
         raise LoopgapError(

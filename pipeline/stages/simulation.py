@@ -133,12 +133,13 @@ def _resampled(trace: pd.DataFrame, recording: Recording, name: str) -> np.ndarr
     wanted = recording.values("time_s")
     out = np.interp(wanted, time_s, values[known])
     out[(wanted < time_s[0]) | (wanted > time_s[-1])] = np.nan
-    if not np.isfinite(out).any():
+    within = int(((time_s >= wanted[0]) & (time_s <= wanted[-1])).sum())
+    if within < FEWEST:
         raise LoopgapError(
             refusal(f"simulation.path, column {name!r}",
-                    f"times within {wanted[0]:g} to {wanted[-1]:g} s",
-                    f"{time_s[0]:g} to {time_s[-1]:g} s",
-                    "Let the trace's time_s begin as the recording's does.")
+                    f"at least {FEWEST} samples within {wanted[0]:g} to {wanted[-1]:g} s",
+                    f"{within}, its times go from {time_s[0]:g} to {time_s[-1]:g}",
+                    "Give the trace's time_s in seconds, beginning as the recording's does.")
         )  # fmt: skip
     return out
 
@@ -208,8 +209,11 @@ def _call(path: str | None, recording: Recording, lacking: Sequence[Channel]) ->
     function, where = _function(path), f"simulation.function={path}"
     began_s = time.monotonic()
     try:
-        answer = np.asarray(function(table.copy()), dtype=float)
-    except Exception as error:
+        answered = function(table.copy())
+        if isinstance(answered, pd.DataFrame) and {*answered} == {c.name for c in lacking}:
+            answered = answered[[c.name for c in lacking]]  # named, so in whatever order
+        answer = np.asarray(answered, dtype=float)
+    except (Exception, SystemExit) as error:
         raise LoopgapError(
             refusal(where, "an array of numbers", _said(error),
                     "Correct the function; it is called with the table of commands.")
@@ -260,7 +264,7 @@ def _function(path: str | None) -> Callable[[pd.DataFrame], object]:
     return function
 
 
-def _said(error: Exception) -> str:
+def _said(error: BaseException) -> str:
     """Somebody else's error, and the line of theirs that it comes from."""
     frames = traceback.extract_tb(error.__traceback__)[1:]
     theirs = [f for f in frames if "site-packages" not in f.filename and f.filename[:1] != "<"]

@@ -14,7 +14,7 @@ from pipeline.discrepancy.problem.force_problem import top_of
 from pipeline.errors import UsageError
 from pipeline.physics.force_motion import position_of
 from pipeline.recording import Channel, Recording, with_context
-from pipeline.runners.diagnosis import with_forces
+from pipeline.runners.diagnosis import with_simulations
 from pipeline.stages.diagnosis import diagnose
 from pipeline.stages.prediction import predict
 from pipeline.stages.simulation import simulate
@@ -367,4 +367,4 @@ def test_a_simulated_mass_is_asked_for_again_when_predicting(damper):
     config = Config()
     config.simulation = SimulationConfig("mechanism")
     with pytest.raises(UsageError, match="the one that the diagnosis had"):
-        with_forces(config, bare, [model])
+        with_simulations(config, bare, [model])

@@ -126,14 +126,29 @@ def test_a_function_that_fails_is_named_with_what_it_did(tmp_path, monkeypatch):
         "def fails(table):\n    return table['yaw']\n"
         "def holes(table):\n    x = np.zeros(len(table)); x[7] = np.nan; return x\n"
         "def column(table):\n    return np.ones((len(table), 1))\n"
+        "def leaves(table):\n    raise SystemExit(3)\n"
     )
     monkeypatch.chdir(tmp_path)
     with pytest.raises(LoopgapError, match=r"found KeyError: 'yaw' \(bad_model.py, line 3\)"):
         simulate(SimulationConfig("python", "bad_model:fails"), a_recording())
     with pytest.raises(LoopgapError, match=r"found 1 that are none, the first in row 7"):
         simulate(SimulationConfig("python", "bad_model:holes"), a_recording())
+    with pytest.raises(LoopgapError, match=r"found SystemExit: 3 \(bad_model.py, line 9\)"):
+        simulate(SimulationConfig("python", "bad_model:leaves"), a_recording())
     column = simulate(SimulationConfig("python", "bad_model:column"), a_recording())
     assert column.values("pitch_angle_sim_deg").tolist() == [1.0] * 60
+
+
+def test_a_functions_named_columns_may_stand_in_any_order(tmp_path, monkeypatch):
+    (tmp_path / "named_model.py").write_text(
+        "import pandas as pd\n"
+        "def f(c):\n    both = {'tip_angle_deg': 2.0, 'pitch_angle_deg': 1.0}\n"
+        "    return pd.DataFrame(both, c.index)\n"
+    )
+    monkeypatch.chdir(tmp_path)
+    answer = simulate(SimulationConfig("python", "named_model:f"), a_recording(2))
+    assert answer.values("pitch_angle_sim_deg")[0] == 1.0
+    assert answer.values("tip_angle_sim_deg")[0] == 2.0
 
 
 def test_a_module_that_fails_when_it_is_imported(tmp_path, monkeypatch):
@@ -155,6 +170,21 @@ def test_a_trace_of_another_rate_is_resampled(tmp_path, capsys):
     assert "5 rows of the recording are outside" in said
     with pytest.raises(LoopgapError, match=r"no tip_angle_deg; there are time_s, pitch_angle_deg"):
         with_simulation(config, a_recording(2))
+
+
+def test_a_trace_says_what_it_bridges_and_holds_numbers(tmp_path, capsys):
+    file = tmp_path / "trace.csv"
+    config = Config(simulation=SimulationConfig("trace", path=str(file)))
+    table = pd.DataFrame({"time_s": np.arange(60.0), "pitch_angle_deg": 1.0})
+    table.drop(index=range(20, 39)).to_csv(file, index=False)
+    with_simulation(config, a_recording())
+    assert "pitch_angle_deg: its longest gap, 20 s, is bridged straight" in capsys.readouterr().out
+    table.astype(object).replace({"time_s": {7.0: "seven"}}).to_csv(file, index=False)
+    with pytest.raises(LoopgapError, match=r"column 'time_s', row 7 .*a number; found 'seven'"):
+        with_simulation(config, a_recording())
+    table.assign(time_s=1000.0 * table["time_s"]).to_csv(file, index=False)
+    with pytest.raises(LoopgapError, match=r"10 samples within 0 to 59 s; found 1, its times go"):
+        with_simulation(config, a_recording())
 
 
 def test_a_mechanism_is_read_from_a_list_of_terms(tmp_path):
