@@ -10,10 +10,11 @@ import pandas as pd
 import pytest
 
 from pipeline import app
+from pipeline.config import DiagnosisConfig
 from pipeline.discrepancy.model.model import ModelError
 from pipeline.discrepancy.model.result import VERDICTS
 from pipeline.recording import Channel, Recording, save_recording
-from pipeline.runners.diagnosis import stored_models
+from pipeline.runners.diagnosis import answer, stored_models
 
 CHANNELS = (
     Channel("pitch_command_deg", "command", "deg"),
@@ -142,6 +143,15 @@ def test_a_log_says_what_a_diagnosis_is_at(tmp_path, monkeypatch, capsys):
     ]
     assert said.err.splitlines() == begun
     assert not set(begun) & set(said.out.splitlines())
+
+
+def test_measurements_are_counted_over_all_recordings():
+    said: list[str] = []
+    recordings = [a_recording(half_width, cycles=3) for half_width in (1.0, 2.0)]
+    answer(DiagnosisConfig(), recordings, said.append)
+    assert [line for line in said if "searching" in line] == [
+        f"pitch_angle_deg ({k} of 2): searching what was left out" for k in (1, 2)
+    ]
 
 
 def test_prediction_without_a_model_says_what_it_needs(tmp_path, monkeypatch, capsys):

@@ -3,6 +3,7 @@
 import json
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import count
 from pathlib import Path
 
 import numpy as np
@@ -81,7 +82,12 @@ def answer(
 def _answer(
     config: DiagnosisConfig, recordings: Sequence[Recording], say: Callable[[str], object]
 ) -> Answered:
-    results = [diagnose(config, recording, say) for recording in recordings]
+    number, measurements = count(1), sum(len(r.with_role("measurement")) for r in recordings)
+
+    def begun(measurement: str) -> None:
+        say(f"{measurement} ({next(number)} of {measurements}): searching what was left out")
+
+    results = [diagnose(config, recording, begun) for recording in recordings]
     diagnoses = [d for r in results for d in r.diagnoses]
     evidence = [e for r in results for e in r.evidence]
     accounts = []

@@ -37,6 +37,7 @@ from pipeline.tracking.stage_record import (
 )
 
 FOLDER_IN_TEXT = "{folder}"
+COPYING = ("importing", "diagnosis", "force_study")  # they leave recordings made of other files
 RECORDING_FILES = ("recording.json", "samples.*")
 
 
@@ -219,12 +220,13 @@ def _made(
 def _clear(folder: Path, stage: str, contract: Contract) -> None:
     """Make room for a result: remove what a try of ours left, set anything else aside.
 
-    What a real robot did is never removed.
+    What a real robot did is never removed, but for copies of what lies elsewhere.
     """
     there = [path for pattern in contract.leaves for path in folder.glob(pattern)]
     if not there:
         return
-    if has_begun(folder, stage) and not any(_of_a_real_robot(path) for path in there):
+    only_there = stage not in COPYING and any(_of_a_real_robot(path) for path in there)
+    if has_begun(folder, stage) and not only_there:
         for path in there:
             shutil.rmtree(path) if path.is_dir() else path.unlink()
         return

@@ -47,8 +47,8 @@ def diagnose(
     recording, leapt = unwrapped(recording)
     refuse_other_scales(recording)
     found = []
-    for number, measurement in enumerate(m.name for m in measurements):
-        say(f"{measurement} ({number + 1} of {len(measurements)}): searching what was left out")
+    for measurement in (m.name for m in measurements):
+        say(measurement)
         problem = posed(config, recording, measurement)
         found.append(diagnose_measurement(recording, measurement, problem))
     leaps = tuple(LEAPS.format(name=name, count=count) for name, count in leapt.items())

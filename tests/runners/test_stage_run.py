@@ -18,8 +18,9 @@ from pipeline.config import (
 )
 from pipeline.runners.contracts import contract_of, may_be_reused
 from pipeline.runners.run_folder import Run
-from pipeline.runners.stage_run import Workplace, do_stage, inputs_of, key_of
+from pipeline.runners.stage_run import Workplace, _clear, do_stage, inputs_of, key_of
 from pipeline.tracking.cache import StageCache
+from pipeline.tracking.stage_record import begin
 
 DATA = Path(__file__).resolve().parents[2] / "data" / "paper_twin"
 EMULATED = Config(
@@ -139,6 +140,19 @@ def test_a_half_done_recording_of_a_real_robot_is_set_aside(
     assert do_stage(run, "acquisition", place).made == "ran"
     assert (run.folder / "set_aside-1" / "acquisition" / "yaw").is_dir() is kept
     assert json.loads((half / "recording.json").read_text())["schema"]
+
+
+def test_a_half_done_diagnosis_leaves_no_copies_behind(
+    tmp_path: Path, earlier: Path, place: Workplace
+) -> None:
+    run = run_in(tmp_path / "a", earlier)
+    begin(run.folder, "diagnosis")
+    copy = run.folder / "diagnosis" / "mine"
+    copy.mkdir(parents=True)
+    (copy / "recording.json").write_text('{"source": "my robot"}')
+    _clear(run.folder, "diagnosis", contract_of("diagnosis", run.config))
+    assert not copy.exists()
+    assert not (run.folder / "set_aside-1").exists()
 
 
 def test_files_of_somebody_else_are_set_aside(
