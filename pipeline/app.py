@@ -22,6 +22,7 @@ from pipeline.config_errors import explain, refuse_added_keys
 from pipeline.errors import LoopgapError, UsageError, refusal
 from pipeline.job import Job, run_job
 from pipeline.sweep import SWEEP_DIR, Sweep, going_on, options_first, sweep_asked
+from pipeline.tracking.planned import override
 
 INTERRUPTED = 130
 UNUSABLE = 1
@@ -78,7 +79,7 @@ def _run_sweep(sweep: Sweep) -> int:
     from pipeline.collecting import conclude  # it loads what only a sweep's end needs
 
     if not any(a.startswith(SWEEP_DIR) for a in sys.argv):
-        sys.argv.append(f"{SWEEP_DIR}{sweep.folder}")
+        sys.argv.append(override(SWEEP_DIR.rstrip("="), sweep.folder))
     print(f"{sweep.jobs} jobs; should it be stopped, this goes on:\n"
           f"  {going_on(sys.argv[1:], sweep.folder)}", flush=True)  # fmt: skip
     with sweep.running():

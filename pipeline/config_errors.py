@@ -7,7 +7,7 @@ import typing
 
 from omegaconf import DictConfig, OmegaConf
 
-from pipeline.config import STEP_RULES, Config, StepRuleConfig
+from pipeline.config import EXTRA_STAGES, STAGES, STEP_RULES, Config, StepRuleConfig
 from pipeline.errors import UsageError
 
 
@@ -19,6 +19,8 @@ def explain(error: BaseException) -> str:
     override = getattr(error, "override", None)
     where = f"configuration, {override!r}" if override else "configuration"
     message = f"{where}: {_without_schemas(str(error).strip())}"
+    if override in (*STAGES, *EXTRA_STAGES):
+        return f"{where}: expected key=value; found a stage. Say stages=[{override}]."
     if "LexerNoViableAltException" in message:
         message += "\nQuote a value with letters such as ä twice: 'key=\"value\"'."
     extra = re.search(r"Could not find 'hydra/launcher/(?:submitit_)?(slurm|ray)'", message)

@@ -20,6 +20,7 @@ from pipeline.errors import UsageError, refusal
 from pipeline.job import SHARED
 from pipeline.recording import write_atomically
 from pipeline.tracking.files import locked, remove_unfinished
+from pipeline.tracking.planned import override
 from pipeline.tracking.progress import watched
 
 SWEEP_FILE = "sweep.json"
@@ -85,7 +86,7 @@ def going_on(arguments: Sequence[str], folder: Path) -> str:
     """The command that goes on with what a command began in a folder."""
     key = SWEEP_DIR if set(MULTIRUN) & set(arguments) else RUN_DIR
     rest = [a for a in arguments if not a.startswith(key)]
-    return shlex.join(["loopgap", *rest, f"{key}{folder}"])
+    return shlex.join(["loopgap", *rest, override(key.rstrip("="), folder)])
 
 
 def options_first(arguments: Sequence[str]) -> list[str]:

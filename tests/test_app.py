@@ -209,6 +209,7 @@ def test_a_failed_job_does_not_stop_the_others(small_run, tmp_path, monkeypatch,
         ("compensation.step_rule.shrink=1", "shrink: expected a number below 1"),
         ("diagnosis.cutoff_hz=0", "cutoff_hz: expected a number above 0; found 0.0"),
         ("earlier=/no/such", "earlier=/no/such: expected the folder of an earlier run"),
+        ("diagnosis", "found a stage. Say stages=[diagnosis]."),
     ],
 )
 def test_wrong_configuration_names_the_key_and_what_it_may_be(

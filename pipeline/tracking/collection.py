@@ -10,7 +10,7 @@ import pandas as pd
 
 from pipeline.recording import write_atomically
 from pipeline.tracking.jobs import DONE, ORIGIN, Job, read_jobs
-from pipeline.tracking.planned import config_options, settings
+from pipeline.tracking.planned import config_options, override, settings
 from pipeline.tracking.tables import METRIC_COLUMNS, markdown
 
 RESULTS_FILE = "results.parquet"
@@ -76,7 +76,7 @@ def gather(sweep: Path) -> Collection:
 def command(job: Job, sweep: Path, options: Sequence[str] = ()) -> str:
     """The command that runs just this job, into its place in the sweep."""
     place = (sweep / job.name).resolve()
-    return shlex.join(["loopgap", *options, *job.overrides, f"hydra.run.dir={place}"])
+    return shlex.join(["loopgap", *options, *job.overrides, override("hydra.run.dir", place)])
 
 
 def parquet(table: pd.DataFrame) -> bytes:

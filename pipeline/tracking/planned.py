@@ -1,5 +1,6 @@
 """Which jobs a sweep was to run: what Hydra made of `multirun.yaml`, in its own order."""
 
+import re
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -50,6 +51,15 @@ def config_options(sweep: Path) -> list[str]:
     except (*UNREADABLE, KeyError, TypeError):
         return []
     return [part for folder in own for part in ("--config-dir", str(folder))]
+
+
+def override(key: str, value: object) -> str:
+    """`key=value` as Hydra's grammar reads it: quoted where there is more than plain letters."""
+    text = str(value)
+    if re.fullmatch(r"[\w./:%+@?|-]+( +[\w./:%+@?|-]+)*", text, re.ASCII):
+        return f"{key}={text}"
+    quoted = re.sub(r"(\\*)'", r"\1\1\\'", text)
+    return f"{key}='{quoted}'"
 
 
 def read_yaml(file: Path) -> Any:

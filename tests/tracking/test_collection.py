@@ -5,10 +5,12 @@ from pathlib import Path
 
 import pandas as pd
 import pytest
+from hydra.core.override_parser.overrides_parser import OverridesParser
 from made_sweep import add_job, plan
 
 from pipeline.errors import UsageError
 from pipeline.tracking.collection import collect
+from pipeline.tracking.planned import override
 
 
 def test_every_job_gives_its_rows_in_natural_order(tmp_path: Path) -> None:
@@ -55,6 +57,15 @@ def test_failed_and_unfinished_jobs_are_listed(tmp_path: Path) -> None:
     report = (tmp_path / "results.md").read_text()
     assert "# 1 of 5 jobs" in report
     assert "no such port" in report
+
+
+@pytest.mark.parametrize(
+    "name", ["plain-1", "with blank", "außen (1)", "it's", "a,b", r"back\slash", "k=1", "1", "[x]"]
+)
+def test_a_folder_of_any_name_is_told_as_hydra_reads_it(name: str) -> None:
+    (read,) = OverridesParser.create().parse_overrides([override("hydra.run.dir", name)])
+    value = read.value()
+    assert str(getattr(value, "text", value)) == name
 
 
 def test_a_job_whose_stages_measure_nothing_is_done(tmp_path: Path) -> None:
