@@ -277,6 +277,26 @@ def test_a_browser_needs_no_scrolling_sideways(folder: Path, tmp_path: Path, wid
 
 
 @pytest.mark.skipif(CHROMIUM is None, reason="no Chromium; Debian's package is chromium")
+def test_a_telephone_shows_every_column_of_a_table(tmp_path: Path) -> None:
+    bend = Estimate("bend", 7.65e-5, -1.06e-5, 1.64e-4, "deg/deg^2")
+    long = replace(diagnosis("explained"), physics=(replace(BACKLASH, parameters=(bend,)),))
+    write_report(tmp_path, [long], [evidence()], [None])
+    text = (tmp_path / "report.html").read_text(encoding="utf-8")
+    tell = (
+        "<script>parent.postMessage(Math.max(...[...document.querySelectorAll('table')]"
+        ".map(t => t.scrollWidth - t.clientWidth)), '*')</script>"
+    )
+    (tmp_path / "inner.html").write_text(text.replace("</body>", f"{tell}</body>"), "utf-8")
+    outer = tmp_path / "outer.html"
+    outer.write_text(
+        "<body><script>onmessage = e => document.body.id = 'hidden-' + e.data</script>"
+        '<iframe src="inner.html" width="360" height="2000" frameborder="0"></iframe></body>'
+    )
+    asked = browse(tmp_path, "--virtual-time-budget=4000", "--dump-dom", outer.as_uri())
+    assert 'id="hidden-0"' in asked
+
+
+@pytest.mark.skipif(CHROMIUM is None, reason="no Chromium; Debian's package is chromium")
 def test_a_browser_shows_the_pictures_in_the_colours_of_the_words(
     folder: Path, tmp_path: Path
 ) -> None:
