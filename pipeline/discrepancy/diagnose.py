@@ -30,7 +30,11 @@ from pipeline.discrepancy.problem.force_problem import averaged
 from pipeline.discrepancy.problem.outliers import isolated
 from pipeline.discrepancy.problem.problem import Problem
 from pipeline.discrepancy.problem.thinning import thinned
-from pipeline.discrepancy.search.accuracy import calibrated_alone, within_accuracy
+from pipeline.discrepancy.search.accuracy import (
+    calibrated_alone,
+    evenly_calibrated,
+    within_accuracy,
+)
 from pipeline.discrepancy.search.choose import Choice
 from pipeline.discrepancy.search.counted import turning
 from pipeline.discrepancy.search.disguise import undisguised
@@ -122,6 +126,8 @@ def decided(problem: Problem, explanation: Explanation) -> tuple[Choice, Structu
     if structure.found:
         share = max(structure.share, share_left(explanation, best))
         structure = replace(structure, share=share)
+        if not best.fit.pieces:
+            best = evenly_calibrated(best, explanation.used)
     return best, structure, accurate
 
 

@@ -3,6 +3,7 @@
 import numpy as np
 from numba import njit
 
+from pipeline.physics.coasting_play import CoastingPlay
 from pipeline.physics.motion import Motion
 from pipeline.physics.term import Parameter, Surroundings, Term
 
@@ -34,6 +35,9 @@ class Backlash(Term):
     before_curve = True
     group = "play"
     says = "The drive turns through {width} of play after each reversal before anything moves."
+
+    def richer(self) -> tuple[Term, ...]:
+        return (CoastingPlay(),)
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
         span = around.drive_span

@@ -6,6 +6,7 @@ from pipeline.errors import refusal
 from pipeline.physics.backlash import Backlash
 from pipeline.physics.camera_tilt import CameraTilt
 from pipeline.physics.capstan_friction import CapstanFriction
+from pipeline.physics.coasting_play import CoastingPlay
 from pipeline.physics.compliance import Compliance
 from pipeline.physics.contact import Contact
 from pipeline.physics.coulomb_friction import CoulombFriction
@@ -48,6 +49,7 @@ def terms(other_commands: Iterable[str] = ()) -> tuple[Term, ...]:
         LostSteps(),
         TransmissionRipple(),
         Backlash(),
+        CoastingPlay(),
         Friction(),
         Friction("driven"),
         CapstanFriction(),

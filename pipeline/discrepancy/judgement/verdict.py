@@ -7,6 +7,7 @@ import numpy as np
 from pipeline.discrepancy.fitting.calibration import FAR_OFF
 from pipeline.discrepancy.fitting.fit import evaluate, improve
 from pipeline.discrepancy.judgement.rest import structured_rest
+from pipeline.discrepancy.judgement.structure import mismatch_variance, structure_of
 from pipeline.discrepancy.search.choose import Choice, names, wanders
 from pipeline.discrepancy.search.explain import Explanation
 
@@ -66,12 +67,12 @@ def fewer(explanation: Explanation, choice: Choice) -> Choice:
     if not choice.fit.pieces:
         return choice
     if explanation.problem.motion.kinetics is not None:
-        return weightier(explanation, choice)
+        return weightier(explanation, choice, structured_square(explanation, choice))
     base = next(c for c in explanation.choices if not c.fit.pieces)
     noise = explanation.prior.model.deviation**2
     before = mean_square(explanation, base) - noise
     if rest_of(choice, explanation) ** 2 < FORM_ERROR**2 * before:
-        return weightier(explanation, choice)
+        return weightier(explanation, choice, np.inf)
     single = min(singles(explanation, choice), key=lambda c: c.score)
     left = mean_square(explanation, single) - noise
     enough = left < (1.0 - ENOUGH) * before
@@ -94,19 +95,35 @@ def singles(explanation: Explanation, choice: Choice) -> list[Choice]:
     return found
 
 
-def weightier(explanation: Explanation, choice: Choice) -> Choice:
-    """Only terms that explain more than all of them together leave.
+def structured_square(explanation: Explanation, choice: Choice) -> float:
+    """Mean square of the structure that a choice leaves of a force; infinite where none shows.
 
-    What explains less may merely mop up the rest. The one that explains least goes first.
+    What a force leaves is for the most part noise, and no measure of what mops up the structure.
+    """
+    structure = structure_of(explanation, choice)
+    if not structure.found:
+        return np.inf
+    share = structure.share * mismatch_variance(explanation)
+    return max(share, rest_of(choice, explanation) ** 2)
+
+
+def weightier(explanation: Explanation, choice: Choice, structured: float) -> Choice:
+    """Only terms that explain more than all of them together leave, or than is structured of that.
+
+    What explains less may merely mop up the rest, and so may what moves the zero if it explains
+    less than all that is left. The one that explains least goes first.
     """
     left, without = mean_square(explanation, choice), []
     for piece in choice.fit.pieces:
         rest = [p for p in choice.fit.pieces if p is not piece]
-        without.append(replace(choice, fit=improve(evaluate(choice.fit.ground, rest))))
-    least = min(without, key=lambda c: mean_square(explanation, c), default=None)
-    if least is None or mean_square(explanation, least) >= 2.0 * left:
+        fit = improve(evaluate(choice.fit.ground, rest))
+        needed = left if piece.term.slow else min(left, structured)
+        explained = mean_square(explanation, replace(choice, fit=fit)) - left
+        without.append((explained / max(needed, 1e-300), fit))
+    least, fit = min(without, key=lambda w: w[0], default=(np.inf, choice.fit))
+    if least >= 1.0:
         return choice
-    return weightier(explanation, explanation.search.weighed(least.fit, choice.place))
+    return weightier(explanation, explanation.search.weighed(fit, choice.place), structured)
 
 
 def mean_square(explanation: Explanation, choice: Choice) -> float:

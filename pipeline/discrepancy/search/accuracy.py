@@ -39,6 +39,16 @@ def calibrated_alone(base: Choice, used: np.ndarray) -> Choice:
     return min(choices, key=lambda choice: error_ahead(choice, parts))
 
 
+def evenly_calibrated(base: Choice, used: np.ndarray) -> Choice:
+    """The choice without terms, with gain and offset at which it errs least on used rows (n,).
+
+    For where all that is left is structured: it is no noise that walks, under which the offset
+    would be where the zero was at first.
+    """
+    even = evaluate(plainly(base.fit.ground, np.flatnonzero(used)), ())
+    return replace(base, fit=replace(base.fit, nuisance=even.nuisance))
+
+
 def hidden(search: Search, choice: Choice) -> tuple[str, float, float] | None:
     """The plainest of the terms that nearly best foretell what is left, None where none does.
 

@@ -1,0 +1,41 @@
+"""A geared servo that runs fast: its load coasts through the play."""
+
+import numpy as np
+import pandas as pd
+
+from pipeline.physics.catalogue import term
+from pipeline.physics.motion import Motion
+from pipeline.recording import Recording
+from tests.discrepancy.made import ANGLE, CHANNELS, SIMULATED, diagnosed, names, value_of
+
+STEP_S, NOISE = 0.01, 0.02
+WIDTH, DRAG, FADING = 1.0, 60.0, 2.0
+
+
+def servo() -> Recording:
+    """Sines of rising frequency, four of each, and a load that friction brakes slower than they."""
+    parts = [
+        a * np.sin(2.0 * np.pi * f * np.arange(0.0, 4.0 / f, STEP_S))
+        for a, f in ((20.0, 0.3), (8.0, 0.3), (12.0, 1.0), (15.0, 0.5), (8.0, 1.5), (10.0, 0.8))
+    ]
+    drive = np.concatenate(parts)
+    quarters = [4 * k + 4 * np.arange(len(part)) // len(part) for k, part in enumerate(parts)]
+    motion = Motion(drive, STEP_S * np.arange(len(drive)), np.concatenate(quarters))
+    steps = [np.arange(np.sum(motion.cycle == c)) for c in np.unique(motion.cycle)]
+    values = np.array([WIDTH, DRAG, FADING])
+    load = term("backlash", "coasting").respond(drive, motion, values, None)[0]
+    noise = NOISE * np.random.default_rng(3).standard_normal(len(drive))
+    samples = pd.DataFrame({"time_s": motion.time_s, "cycle": motion.cycle,
+                            "step": np.concatenate(steps), "pitch_command_deg": drive,
+                            "yaw_command_deg": 0.0 * drive, ANGLE: load + noise,
+                            SIMULATED: drive})  # fmt: skip
+    return Recording(samples, CHANNELS, "simulated")
+
+
+def test_play_with_a_load_that_coasts_is_backlash_and_nothing_else():
+    found = diagnosed(servo())
+    assert names(found) == {"backlash"}
+    assert found.diagnoses[0].after.heldout_rmse < 1.1 * NOISE
+    for parameter, value in (("width", WIDTH), ("drag", DRAG), ("fading", FADING)):
+        told = value_of(found, "backlash", parameter)
+        assert abs(told.value - value) < 0.1 * value

@@ -1,0 +1,46 @@
+"""What a structured rest does to calibration and names that stand beside it."""
+
+import numpy as np
+import pytest
+
+from pipeline.discrepancy.fitting.fit import evaluate, ground_of
+from pipeline.discrepancy.judgement.verdict import weightier
+from pipeline.discrepancy.noise.noise import NoiseModel
+from pipeline.discrepancy.search.accuracy import evenly_calibrated
+from pipeline.discrepancy.search.choose import Choice, names
+from pipeline.physics.catalogue import term
+from pipeline.physics.mechanism import Piece
+from tests.discrepancy.made import ANGLE, NOISE, changed, explanation_of, posed, recorded
+
+PLAY = Piece(term("backlash"), np.array([4.0]))
+RIPPLE = Piece(term("transmission_ripple"), np.array([0.2, 30.0, 0.5]))
+DRIFT = Piece(term("drift", "linear"), np.array([0.02]))
+
+
+def left_by(choice: Choice) -> float:
+    ground = choice.fit.ground
+    off = (ground.problem.measured - choice.fit.predicted)[ground.used]
+    return float(np.sqrt(np.mean(off**2)))
+
+
+def test_where_all_is_structured_calibration_is_no_matter_of_where_a_walk_began():
+    plain = recorded({}, offset=0.0)
+    bump = 3.0 * np.sin(np.linspace(0.0, np.pi, len(plain.samples))) ** 2
+    problem = posed(changed(plain, **{ANGLE: plain.samples[ANGLE] + bump}))
+    walks = ground_of(problem, NoiseModel(white=NOISE, walk=NOISE), problem.train)
+    walked = Choice(evaluate(walks, ()), (0, 0, 7), 0.0)
+    even = evenly_calibrated(walked, walks.used)
+    assert left_by(even) < 0.8 * left_by(walked)
+    assert left_by(even) == pytest.approx(float(np.std(bump[problem.train])), rel=0.1)
+    assert even.fit.ground.noise == walks.noise
+
+
+@pytest.mark.parametrize(("structured", "stay"), [(np.inf, set()), (1e-4, {RIPPLE.term.name})])
+def test_beside_a_small_rest_what_explains_more_than_that_keeps_its_name(structured, stay):
+    hidden = {"backlash": {"width": 4.0}, "transmission_ripple": {"amplitude": 0.2, "period": 30.0,
+              "phase": 0.5}, "drift/linear": {"rate": 0.02}}  # fmt: skip
+    problem = posed(recorded(hidden))
+    ground = ground_of(problem, NoiseModel(NOISE), problem.train)
+    choice = Choice(evaluate(ground, (PLAY, RIPPLE, DRIFT)), (0, 0, 0), 0.0)
+    explanation = explanation_of([choice])
+    assert names(weightier(explanation, choice, structured)) == {PLAY.term.name, *stay}
