@@ -97,7 +97,7 @@ def page(measurements: Sequence[Mapping[str, Any]]) -> str:
     environment.filters |= {
         "said": words.said, "number": words.number, "percent": words.percent,
         "chance": words.chance, "coordinate": words.coordinate, "sentence": words.sentence,
-        "spoken": spoken,
+        "spoken": spoken, "placed": words.placed,
     }  # fmt: skip
     text = resources.files("pipeline.tracking").joinpath("templates", TEMPLATE).read_text("utf-8")
     return environment.from_string(text).render(

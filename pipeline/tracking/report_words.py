@@ -56,6 +56,7 @@ COORDINATES = {
     "cycle": "Cycle",
     "single_frames": "Single frames",
 }
+PLACED = ("everywhere", "on", "at", "after")
 
 
 def said(name: str) -> str:
@@ -96,11 +97,16 @@ def coordinate(name: str) -> str:
     return COORDINATES.get(kind, said(kind).capitalize())
 
 
+def placed(where: str) -> str:
+    """Where a rest shows, with its preposition: some bring their own."""
+    return where if where.split()[0] in PLACED else f"in {where}"
+
+
 def verdict_sentence(diagnosis: Diagnosis) -> str:
     """The verdict in a sentence."""
     named = listed(_with_site(physics) for physics in diagnosis.physics)
     where = diagnosis.unexplained.where
-    rest = f" (it shows {'' if where == 'everywhere' else 'in '}{where})" if where else ""
+    rest = f" (it shows {placed(where)})" if where else ""
     if diagnosis.verdict == "explained":
         return f"The simulation leaves out {named}."
     if diagnosis.verdict == "partly_explained":

@@ -11,6 +11,7 @@ import pandas as pd
 import pytest
 from rerun.chunk import RrdReader
 
+from pipeline.discrepancy.judgement.proof import BEYOND, HELDOUT
 from pipeline.discrepancy.location.locate import locate
 from pipeline.discrepancy.model.model import Hypothesis
 from pipeline.discrepancy.model.result import (
@@ -208,10 +209,20 @@ def test_each_verdict_is_a_sentence(verdict: str, sentence: str) -> None:
     assert ("Backlash may also be friction." in said) is told
 
 
-def test_what_shows_everywhere_does_not_show_in_everywhere() -> None:
+@pytest.mark.parametrize(
+    ("where", "said"),
+    [
+        ("everywhere", "(it shows everywhere)"),
+        (HELDOUT, "(it shows on held-out samples, "),
+        (BEYOND, "(it shows at held-out commands beyond "),
+        ("after reversals", "(it shows after reversals)"),
+        ("slow changes", "(it shows in slow changes)"),
+    ],
+)
+def test_where_a_rest_shows_has_one_preposition(where: str, said: str) -> None:
     unknown = diagnosis("unknown_physics")
-    rest = replace(unknown.unexplained, where="everywhere")
-    assert "(it shows everywhere)" in verdict_sentence(replace(unknown, unexplained=rest))
+    rest = replace(unknown.unexplained, where=where)
+    assert said in verdict_sentence(replace(unknown, unexplained=rest))
 
 
 @pytest.mark.parametrize("verdict", ["no_mismatch", "unknown_physics"])
