@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from pipeline.discrepancy.fitting.charge import absurd_calibration
+from pipeline.discrepancy.judgement.beyond import beyond_its_name
 from pipeline.discrepancy.judgement.cycle_zero import wanders_by_cycle
 from pipeline.discrepancy.judgement.faint import without_faint
 from pipeline.discrepancy.judgement.named import named_physics, verdict_of
@@ -75,6 +76,8 @@ def diagnose_measurement(
         noise = replace(noise, jitter=0.0)
     evidence = replace(evidence, noise=noise)
     before, after = evidence.errors(evidence.before), evidence.errors(evidence.after)
+    if not structure.found:
+        structure = beyond_its_name(explanation, best) or structure
     verdict = verdict_of(explanation, best, physics, structure)
     diagnosis = Diagnosis(
         measurement=measurement,

@@ -37,7 +37,7 @@ from pipeline.physics.viscous_friction import ViscousFriction
 
 BEND, BENDING = "bend", LensDistortion("second")
 SHEATH_FORCES = tuple(SheathForce(f) for f in ("near", "far", "near falling", "far falling"))
-SPRUNG, LATE = ViscousFriction("sprung"), ForceLag()
+SPRUNG, LATE, WORN = ViscousFriction("sprung"), ForceLag(), Backlash("worn")
 
 
 def terms(other_commands: Iterable[str] = ()) -> tuple[Term, ...]:
@@ -132,7 +132,7 @@ def richer(term: Term) -> tuple[Term, ...]:
 def term(name: str, form: str = "", other_commands: Iterable[str] = ()) -> Term:
     """The term of a name (and form); TermError names those that exist."""
     found = with_richer((*terms(other_commands), *force_terms()))
-    found += (*SHEATH_FORCES, SPRUNG, LATE)
+    found += (*SHEATH_FORCES, SPRUNG, LATE, WORN)
     same = [t for t in found if t.name == name and form in ("", t.form)]
     if same:
         return next((t for t in same if t.form == form), same[0])

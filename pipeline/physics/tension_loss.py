@@ -6,7 +6,7 @@ import numpy as np
 from numba import njit
 
 from pipeline.number_words import worded
-from pipeline.physics.backlash import Backlash
+from pipeline.physics.backlash import Backlash, varying_play
 from pipeline.physics.motion import Motion
 from pipeline.physics.term import Parameter, Shown, Surroundings, Term
 
@@ -32,17 +32,6 @@ def worn_play(drive, width, growth, onset, settled, at, last, travel):  # type: 
         at = max(at, last - half) if last - half > at else min(at, last + half)
         out[i] = at
     return out, travel
-
-
-@njit(cache=True)
-def varying_play(drive, half_width, at):  # type: ignore[no-untyped-def]
-    """The play operator, (n,), with a gap of its own for each sample."""
-    out = np.empty(drive.size)
-    for i in range(drive.size):
-        half = half_width[i]
-        at = max(at, drive[i] - half) if drive[i] - half > at else min(at, drive[i] + half)
-        out[i] = at
-    return out
 
 
 class TensionLoss(Term):

@@ -115,6 +115,7 @@ class Term:
     periodic: whether it comes again over the drive; its second parameter is that period.
     sided: whether its name may stand once for each side.
     group: of its terms only one may stand; "" where that goes by the name.
+    beyond: what its form says that the catalogue has no name for; "" where its name says all.
     unlikely: how much less likely than others it is in its form, in -2 log odds.
     mistaken_for: the name of what may be this instead, if it looks like that in disguise.
     only_held: whether a form differs from its kin only beside what holds the joint.
@@ -130,6 +131,7 @@ class Term:
     slow: ClassVar[bool] = False
     mistaken_for: ClassVar[str] = ""
     unlikely: float = 0.0
+    beyond: str = ""
     only_held: bool = False
     own_law: bool = False
     adds: bool = False

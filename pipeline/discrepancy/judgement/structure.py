@@ -17,11 +17,13 @@ from pipeline.discrepancy.noise.noise import NoiseModel
 from pipeline.discrepancy.search.choose import Choice
 from pipeline.discrepancy.search.explain import Explanation
 from pipeline.number_words import worded
+from pipeline.recording import branch_of
 
 CHANCE = 1e-5
 SMALLEST_SIZE, REPEATED = 0.2, 0.5
 SLOW_CORRELATION = 0.87
-LOUD, ROUNDED = 0.25, 1.1
+LOUD, ROUNDED = 0.1, 1.1
+JERKY, JERKS = 4.4, "jerks, each time elsewhere: it sticks and slips"
 
 
 @dataclass(frozen=True)
@@ -64,6 +66,7 @@ def structure_of(explanation: Explanation, choice: Choice) -> Structure:
         or of_repeats(explanation, choice)
         or two_zeros(choice)
         or humming(explanation, choice)
+        or jerking(explanation, choice)
     )
     by_chance = min(min((r.p_value for r in rests), default=1.0) * len(rests), 1.0)
     if sign is None:
@@ -147,7 +150,8 @@ def humming(explanation: Explanation, choice: Choice) -> Sign | None:
     if explanation.problem.derivatives is not None:
         return None
     share, period = hum(choice)
-    if share <= LOUD:
+    count = len(choice.fit.innovations)
+    if share <= LOUD + 4.0 * np.log(count) / count:
         return None
     where = f"a hum in time, again and again every {worded(period)} samples"
     return Sign(where, float(np.sqrt(share)) * choice.fit.ground.noise.deviation, CHANCE)
@@ -163,6 +167,26 @@ def hum(choice: Choice) -> tuple[float, float]:
     near = np.convolve(power, np.ones(3), mode="same")
     best = int(np.argmax(near))
     return float(near[best] / max(power.sum(), 1e-300)), len(choice.fit.innovations) / (best + 1.0)
+
+
+def jerking(explanation: Explanation, choice: Choice) -> Sign | None:
+    """An angle that falls behind and leaps after, each time elsewhere: it sticks and slips.
+
+    Its steps are skewed along the way that the drive goes, as those of noise are to neither side.
+    A sum of cubes over the root of that of their squares, by chance JERKY once in 100,000 times,
+    seldomer where each error is in two steps.
+    """
+    problem = explanation.problem
+    if problem.derivatives is not None:
+        return None
+    off = np.where(explanation.used, problem.measured - choice.fit.predicted, np.nan)
+    drive, way = problem.motion.drive, branch_of(problem.motion.drive)
+    along = (np.diff(drive) != 0.0) & (way[1:] == way[:-1])
+    steps = (np.diff(off) * way[1:])[along & np.isfinite(np.diff(off))]
+    steps = steps - np.mean(steps) if len(steps) else steps
+    cubes = steps**3
+    skewed = abs(float(np.sum(cubes))) > JERKY * float(np.sqrt(np.sum(cubes**2)))
+    return Sign(JERKS, choice.fit.ground.noise.deviation, CHANCE) if skewed else None
 
 
 def share_left(explanation: Explanation, choice: Choice) -> float:

@@ -1,24 +1,26 @@
-"""One bend in a richer form in place of several names."""
+"""One bend or play in a richer form in place of several names."""
 
 from pipeline.discrepancy.search.choose import Choice, Search, among, best_of_each, extended
 from pipeline.discrepancy.search.polish import polished
-from pipeline.physics.catalogue import BEND, richer
+from pipeline.physics.catalogue import BEND, WORN, richer
 from pipeline.physics.term import Term
 
 
 def alone(search: Search, choices: list[Choice]) -> list[Choice]:
-    """The choices (best first); where the best has several names, those of one bend, too.
+    """The choices (best first); where the best has several names, those of one richer form, too.
 
     What a richer form of a bend explains that its plain one can't is taken up by others (ripple,
-    contact, stops) as a search grows: no step leads from them to the one.
+    contact, stops) as a search grows: no step leads from them to the one. So is what differs in
+    worn play from place to place; grown from plain play, that would mop up what comes beside it.
     """
     best = choices[0]
     base = next(c for c in choices if not c.fit.pieces)
     if len(best.fit.pieces) < 2:
         return choices
     problem = base.fit.ground.problem
-    bends = tuple(t for t in unsearched(search) if t.group == BEND)
-    found = extended(among(search, problem, bends), base)
+    bends = (t for t in unsearched(search) if t.group == BEND)
+    worn = [WORN] if any(t.name == WORN.name for t in search.terms) else []
+    found = extended(among(search, problem, (*bends, *worn)), base)
     if min((c.score for c in found), default=best.score) < best.score:
         return polished(search, [*choices, *found])
     return best_of_each([*choices, *found])

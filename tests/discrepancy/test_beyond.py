@@ -1,0 +1,66 @@
+"""What the catalogue has no name for, yet is known: worn play, jerks, a quiet hum."""
+
+import numpy as np
+import pytest
+
+from pipeline.discrepancy.judgement.structure import JERKS
+from pipeline.physics.backlash import Backlash, play, varying_play
+from pipeline.physics.kinematics import CubicCurve
+from pipeline.recording import Recording
+from tests.discrepancy.made import ANGLE, NOISE, changed, diagnosed, names, recorded
+
+SHAPES = {
+    "wide in the middle": lambda u: 6.0 * np.cos(np.pi * u / 110.0) ** 4,
+    "wider towards one end": lambda u: 2.0 + 4.0 * (u + 55.0) / 110.0,
+    "wide beyond an edge": lambda u: 1.0 + 5.0 / (1.0 + np.exp(-(u - 10.0) / 6.0)),
+}
+
+
+def moved(hidden: np.ndarray, seed: int = 0) -> Recording:
+    """A recording in which a motor stands there (n,) instead of where it was told."""
+    plain = recorded({}, seed=seed)
+    noise = NOISE * np.random.default_rng(seed).standard_normal(len(hidden))
+    return changed(plain, **{ANGLE: CubicCurve(0.7, 1e-5)(hidden) + noise})
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_play_that_differs_from_place_to_place_is_play_and_more_than_that(shape):
+    command = recorded({}).values("pitch_command_deg")
+    result = diagnosed(moved(varying_play(command, 0.5 * SHAPES[shape](command), command[0])))
+    (found,) = result.diagnoses
+    assert names(result) == {"backlash"}
+    assert found.verdict == "partly_explained"
+    assert found.unexplained.where == Backlash("worn").beyond
+    assert 0.0 < found.unexplained.share < 1.0
+    assert found.unexplained.p_value < 1e-6
+    assert found.after.heldout_rmse < 1.25 * NOISE < found.before.heldout_rmse
+
+
+def test_play_of_one_width_is_no_more_than_that():
+    command = recorded({}).values("pitch_command_deg")
+    result = diagnosed(moved(play(command, 2.0, command[0])))
+    assert result.diagnoses[0].verdict == "explained"
+    assert names(result) == {"backlash"}
+
+
+@pytest.mark.parametrize("hidden", [{}, {"backlash": {"width": 4.0}}])
+def test_a_joint_that_sticks_and_slips_is_not_noisy(hidden):
+    recording = recorded(hidden, seed=3)
+    command, rng = recording.values("pitch_command_deg"), np.random.default_rng(4)
+    behind, at, give = np.zeros(len(command)), command[0], 6.0
+    for k, there in enumerate(command):
+        if abs(there - at) > give:
+            at, give = there, rng.uniform(4.0, 9.0)
+        behind[k] = there - at
+    sticking = changed(recording, **{ANGLE: recording.values(ANGLE) - 0.25 * behind})
+    (found,) = diagnosed(sticking).diagnoses
+    assert found.verdict in ("unknown_physics", "partly_explained")
+    assert found.unexplained.where == JERKS
+
+
+def test_a_hum_of_the_size_of_the_noise_is_no_noise():
+    recording = recorded({}, seed=5)
+    hum = 0.8 * NOISE * np.sin(recording.values("time_s") / 9.0)
+    (found,) = diagnosed(changed(recording, **{ANGLE: recording.values(ANGLE) + hum})).diagnoses
+    assert found.verdict == "unknown_physics"
+    assert "a hum in time" in found.unexplained.where
