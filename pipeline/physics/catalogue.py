@@ -34,10 +34,11 @@ from pipeline.physics.tension_loss import TensionLoss
 from pipeline.physics.term import Term, TermError
 from pipeline.physics.transmission_ripple import TransmissionRipple
 from pipeline.physics.viscous_friction import ViscousFriction
+from pipeline.physics.worn_play import WornPlay
 
 BEND, BENDING = "bend", LensDistortion("second")
 SHEATH_FORCES = tuple(SheathForce(f) for f in ("near", "far", "near falling", "far falling"))
-SPRUNG, LATE, WORN = ViscousFriction("sprung"), ForceLag(), Backlash("worn")
+SPRUNG, LATE, WORN = ViscousFriction("sprung"), ForceLag(), WornPlay()
 
 
 def terms(other_commands: Iterable[str] = ()) -> tuple[Term, ...]:

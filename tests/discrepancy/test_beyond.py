@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from pipeline.discrepancy.judgement.structure import JERKS
-from pipeline.physics.backlash import Backlash, play, varying_play
+from pipeline.physics.backlash import play, varying_play
 from pipeline.physics.kinematics import CubicCurve
+from pipeline.physics.worn_play import WornPlay
 from pipeline.recording import Recording
 from tests.discrepancy.made import ANGLE, NOISE, changed, diagnosed, names, recorded
 
@@ -30,7 +31,7 @@ def test_play_that_differs_from_place_to_place_is_play_and_more_than_that(shape)
     (found,) = result.diagnoses
     assert names(result) == {"backlash"}
     assert found.verdict == "partly_explained"
-    assert found.unexplained.where == Backlash("worn").beyond
+    assert found.unexplained.where == WornPlay.beyond
     assert 0.0 < found.unexplained.share < 1.0
     assert found.unexplained.p_value < 1e-6
     assert found.after.heldout_rmse < 1.25 * NOISE < found.before.heldout_rmse

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pipeline.physics.catalogue import force_terms, term, terms, with_richer
+from pipeline.physics.catalogue import WORN, force_terms, term, terms, with_richer
 from pipeline.physics.kinematics import CubicCurve
 from pipeline.physics.mechanism import Mechanism, Piece
 from pipeline.physics.motion import Motion
@@ -13,7 +13,7 @@ from pipeline.physics.term import Surroundings, TermError, values_of
 
 OTHER = "yaw_command_deg"
 CURVE = CubicCurve(0.7, 1e-5)
-EVERY = with_richer(terms([OTHER]))
+EVERY = [*with_richer(terms([OTHER])), WORN]
 
 
 def triangle(cycles: int = 3, amplitude: float = 60.0, steps: int = 200) -> Motion:
