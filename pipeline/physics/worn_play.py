@@ -32,7 +32,7 @@ class WornPlay(Term):
     group = Backlash.group
     form = "worn"
     unlikely = RARELY
-    beyond = "in how wide the play is at each place"
+    beyond = "how wide the play is at each place"
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
         span, unit = around.drive_span, around.drive_unit
@@ -78,7 +78,8 @@ class WornPlay(Term):
         unit, gaps, place = around.drive_unit, values[:PLACES], places(values)
         most, least = int(np.argmax(gaps)), int(np.argmin(gaps))
         return (
-            f"The drive turns through play after each reversal before anything moves, "
+            "The drive turns through play after each reversal before anything moves, "
             f"{worded(gaps[most])} {unit} of it at {worded(place[most])} {unit}, "
-            f"{worded(gaps[least])} {unit} at {worded(place[least])} {unit}."
+            f"{worded(gaps[least])} {unit} at {worded(place[least])} {unit}. "
+            "How it differs has no name in the catalogue, but the corrected simulation has it."
         )

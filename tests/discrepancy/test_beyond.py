@@ -30,6 +30,7 @@ def test_play_that_differs_from_place_to_place_is_play_and_more_than_that(shape)
     result = diagnosed(moved(varying_play(command, 0.5 * SHAPES[shape](command), command[0])))
     (found,) = result.diagnoses
     assert names(result) == {"backlash"}
+    assert not found.physics[0].alternatives
     assert found.verdict == "partly_explained"
     assert found.unexplained.where == WornPlay.beyond
     assert 0.0 < found.unexplained.share < 1.0

@@ -60,7 +60,7 @@ def of_terms(
 ) -> Iterator[NamedPhysics]:
     """What each piece of the best choice is: half as probable where a rest is left unexplained.
 
-    Not how a wire lay at the start.
+    Not how a wire lay at the start. What says more than its name is like no other name.
     """
     problem, fit = explanation.problem, best.fit
     mopping = structure.found and problem.motion.kinetics is None
@@ -79,7 +79,7 @@ def of_terms(
             probability=min(stands.probability * (0.5 if mopping else 1.0), SUREST),
             parameters=(*own, *ways),
             heldout_rmse_without=error_without(best, name, evidence),
-            alternatives=stands.alternatives,
+            alternatives=() if piece.term.beyond else stands.alternatives,
             says=says + said_of_surplus(piece) + said_of_ways(piece, ways),
         )
 

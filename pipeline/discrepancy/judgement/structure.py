@@ -54,8 +54,8 @@ def structure_of(explanation: Explanation, choice: Choice) -> Structure:
 
     It shows in flexible curves of what was commanded that chance does not explain (likelihood
     ratio, Bonferroni over the families of curves), in noise that varies as slowly as physics does,
-    in what cycles have in common at each step, in noise with two humps, or in a hum. What is surely
-    there but much smaller than the noise is the form of a term, no physics.
+    in what cycles have in common at each step, in noise with two humps, in a hum, or in jerks. What
+    is surely there but much smaller than the noise is the form of a term, no physics.
     """
     if rounded(explanation, choice):
         return Structure(False, None, 0.0, 1.0)
