@@ -21,6 +21,7 @@ from pipeline.config_check import check_config
 from pipeline.config_errors import explain, refuse_added_keys
 from pipeline.errors import LoopgapError, UsageError, refusal
 from pipeline.job import Job, run_job
+from pipeline.runners.contracts import check_split
 from pipeline.sweep import SWEEP_DIR, Sweep, going_on, options_first, sweep_asked
 from pipeline.tracking.planned import override
 
@@ -110,6 +111,7 @@ def _run_job(raw: DictConfig) -> None:
         config = OmegaConf.to_object(raw)
         assert isinstance(config, Config)
         check_config(config)
+        check_split(config)
         return config, OmegaConf.to_yaml(raw, resolve=True)
 
     try:

@@ -6,8 +6,6 @@ from operator import attrgetter
 
 from pipeline.config import EXTRA_STAGES, STAGES, Config
 from pipeline.errors import UsageError, refusal
-from pipeline.runners.contracts import contract_of
-from pipeline.split import split_cycles
 
 CHOICES: dict[str, tuple[str, ...]] = {
     "acquisition.clock": ("simulated", "real"),
@@ -55,14 +53,6 @@ def check_config(config: Config) -> None:
     _check_sizes(config, LEAST, operator.ge, "of at least")
     _check_sizes(config, ABOVE, operator.gt, "above")
     _check_sizes(config, BELOW, operator.lt, "below")
-    _check_split(config)
-
-
-def _check_split(config: Config) -> None:
-    """Refuse a split of more cycles than will be recorded before they are."""
-    recorded = "acquisition" in config.stages and config.acquisition.commands is None
-    if recorded and any("split" in contract_of(stage, config).settings for stage in config.stages):
-        split_cycles(config.split, range(config.acquisition.cycles))
 
 
 def _check_sizes(

@@ -10,6 +10,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 from pipeline.config import Config
+from pipeline.split import split_cycles
 
 if TYPE_CHECKING:
     from pipeline.runners.run_folder import Run
@@ -147,6 +148,13 @@ def contract_of(stage: str, config: Config) -> Contract:
     if stage == "evaluation" and config.evaluation.trial:
         return replace(contract, settings=(*contract.settings, *LABORATORY, "vision"))
     return contract
+
+
+def check_split(config: Config) -> None:
+    """Refuse, with UsageError, a split of more cycles than will be recorded, before they are."""
+    recorded = "acquisition" in config.stages and config.acquisition.commands is None
+    if recorded and any("split" in contract_of(stage, config).settings for stage in config.stages):
+        split_cycles(config.split, range(config.acquisition.cycles))
 
 
 def may_be_reused(stage: str, config: Config) -> bool:
