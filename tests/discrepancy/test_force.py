@@ -69,6 +69,14 @@ def parameters(diagnosis):
     return {f"{p.name}.{e.name}": e for p in diagnosis.physics for e in p.parameters}
 
 
+def test_noise_is_no_more_than_the_terms_leave():
+    t, x, rng = motion(3)
+    force = dahl(t, x, 50.0, 2e-3) + 400.0 * x + rng.normal(0.0, 0.1, len(t))
+    (found,) = diagnose(DiagnosisConfig(), seen_in_steps(x, force)).diagnoses
+    assert found.noise == pytest.approx(0.1, rel=0.02)
+    assert found.noise <= 1.001 * found.after.train_rmse
+
+
 def test_friction_that_differs_by_direction_is_named_and_measured(damper):
     diagnosis = damper.diagnoses[0]
     assert {p.name for p in diagnosis.physics} == {"coulomb_friction", "viscous_friction"}

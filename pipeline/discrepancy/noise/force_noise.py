@@ -47,14 +47,19 @@ def noise_of_samples(
 ) -> NoiseModel:
     """The noise of one sample, given that of block means: what varies within a block comes on top.
 
-    problem: with all samples; its training rows within `blocks` tell.
+    problem: with all samples; its training rows within `blocks` tell. Block means are no noisier
+    than what a mechanism leaves of them: terms may fit a force better than a flexible law does.
     """
     rows = len(blocks.motion) // blocks.size * blocks.size
     left = (problem.measured - mechanism.respond(problem.motion)[0])[:rows]
-    within = (left - np.repeat(blocks.mean(left), blocks.size)) ** 2
+    means = np.repeat(blocks.mean(left), blocks.size)
+    within = (left - means) ** 2
     wanted = problem.train[:rows] & np.isfinite(within)
-    inside = float(np.median(within[wanted])) / MEDIAN_SQUARE if wanted.any() else 0.0
-    return replace(noise, white=float(np.sqrt(noise.white**2 + inside)))
+    if not wanted.any():
+        return noise
+    inside = float(np.median(within[wanted])) / MEDIAN_SQUARE
+    between = min(noise.white**2, float(np.mean(means[wanted] ** 2)))
+    return replace(noise, white=float(np.sqrt(between + inside)))
 
 
 def _law(problem: Problem, kinetics: Kinetics) -> np.ndarray:
