@@ -3,6 +3,7 @@
 import os
 import signal
 import sys
+from importlib.metadata import version
 from pathlib import Path
 from types import FrameType
 
@@ -39,6 +40,9 @@ def run_command_line() -> int:
     """Run what `sys.argv` asks for and return the exit status."""
     os.environ.setdefault("HYDRA_FULL_ERROR", "1")
     signal.signal(signal.SIGTERM, _interrupt)
+    if "--version" in sys.argv[1:]:
+        print(f"loopgap {version('loopgap')}, on Hydra {version('hydra-core')}")
+        return 0
     register_schemas(ConfigStore.instance())
     quick_compose.install()
     sys.argv[1:] = options_first(sys.argv[1:])

@@ -8,6 +8,7 @@ import signal
 import subprocess
 import sys
 import time
+from importlib import metadata
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -113,6 +114,11 @@ def test_help_names_every_stage_and_no_schema(monkeypatch, capsys):
     assert [stage for stage in (*STAGES, *EXTRA_STAGES) if stage not in said] == []
     assert "compensation/step_rule: armijo, barzilai" in said
     assert "schema" not in said
+
+
+def test_version_is_that_of_loopgap(monkeypatch, capsys):
+    assert loopgap(monkeypatch, "--version") == 0
+    assert capsys.readouterr().out.startswith(f"loopgap {metadata.version('loopgap')}")
 
 
 def test_options_may_stand_between_overrides(tmp_path, monkeypatch, capsys):
