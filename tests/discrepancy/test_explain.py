@@ -41,6 +41,21 @@ def test_a_rest_that_repeats_is_no_noise_and_a_search_without_shortcuts_explains
     assert {c.fit.key for c in begun} <= {c.fit.key for c in searched_wide(search, begun, alone)}
 
 
+def test_a_pile_of_names_is_searched_again_without_shortcuts():
+    hidden = {"backlash": {"width": 3.0}, "creep": {"share": 0.1, "time_constant": 40.0}}
+    found = explained(recorded(hidden, seed=2))
+    best, piled = found.choices[0], []
+    spare = [("drift", "linear", [0.2]), ("contact", "upper", [0.01, 30.0, 1.0])]
+    for count in (1, 2):
+        more = [Piece(term(name, form), np.array(values)) for name, form, values in spare[:count]]
+        fit = evaluate(best.fit.ground, (*best.fit.pieces, *more))
+        piled.append(replace(best, fit=fit, score=best.score + 30.0))
+    three, four = ([choice] for choice in piled)
+    assert not refuted(found.search, piled[1])
+    assert searched_wide(found.search, three, three) is three
+    assert set(searched_wide(found.search, four, four)[0].fit.names) == set(hidden)
+
+
 def test_a_rival_that_lacks_a_name_is_looked_for_from_the_beginning():
     hidden = {"backlash": {"width": 3.0}, "creep": {"share": 0.1, "time_constant": 40.0}}
     recording = recorded(hidden, seed=2)

@@ -15,6 +15,7 @@ from pipeline.discrepancy.problem.thinning import sparser
 from pipeline.discrepancy.search.accuracy import within_accuracy
 from pipeline.discrepancy.search.alone import alone
 from pipeline.discrepancy.search.choose import (
+    MOST_TERMS,
     RIVAL_GAP,
     SAME,
     Choice,
@@ -24,6 +25,7 @@ from pipeline.discrepancy.search.choose import (
     choose,
     choose_again,
     extended,
+    names,
 )
 from pipeline.discrepancy.search.contested import contested, levelled
 from pipeline.discrepancy.search.counted import (
@@ -131,10 +133,12 @@ def searched(problem: Problem) -> Explanation:
 def searched_wide(search: Search, begun: list[Choice], found: list[Choice]) -> list[Choice]:
     """The choices; where what the best leaves can't be noise, those of a search without shortcuts.
 
-    What gains most at first is then not on the way to what explains most. begun: the choices that
-    those found were polished from; from a best that is no other, a polish would come to the same.
+    Nor does it stop at as many names as a search takes: they may be a pile that mops up what other
+    names explain. What gains most at first is then not on the way to what explains most. begun: the
+    choices that those found were polished from; from a best that is no other, a polish would come
+    to the same.
     """
-    if not refuted(search, found[0]):
+    if not (refuted(search, found[0]) or len(names(found[0])) >= MOST_TERMS):
         return found
     wide = replace(search, wide=True)
     again = choose(wide, found[0].fit.ground)
