@@ -219,10 +219,13 @@ def test_each_verdict_is_a_sentence(verdict: str, sentence: str) -> None:
         ("slow changes", "(it shows in slow changes)"),
     ],
 )
-def test_where_a_rest_shows_has_one_preposition(where: str, said: str) -> None:
+def test_where_a_rest_shows_has_one_preposition(tmp_path: Path, where: str, said: str) -> None:
     unknown = diagnosis("unknown_physics")
-    rest = replace(unknown.unexplained, where=where)
-    assert said in verdict_sentence(replace(unknown, unexplained=rest))
+    unknown = replace(unknown, unexplained=replace(unknown.unexplained, where=where))
+    assert said in verdict_sentence(unknown)
+    write_report(tmp_path, [unknown], [evidence()], [None])
+    page = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert f"bears no name: {said.strip('()')}" in page
 
 
 @pytest.mark.parametrize("verdict", ["no_mismatch", "unknown_physics"])

@@ -183,8 +183,7 @@ def jerking(explanation: Explanation, choice: Choice) -> Sign | None:
     drive, way = problem.motion.drive, branch_of(problem.motion.drive)
     along = (np.diff(drive) != 0.0) & (way[1:] == way[:-1])
     steps = (np.diff(off) * way[1:])[along & np.isfinite(np.diff(off))]
-    steps = steps - np.mean(steps) if len(steps) else steps
-    cubes = steps**3
+    cubes = (steps - steps.sum() / max(len(steps), 1)) ** 3
     skewed = abs(float(np.sum(cubes))) > JERKY * float(np.sqrt(np.sum(cubes**2)))
     return Sign(JERKS, choice.fit.ground.noise.deviation, CHANCE) if skewed else None
 
