@@ -42,6 +42,7 @@ class Backlash(Term):
 
     name = "backlash"
     site = "transmission"
+    place = 30.0
     remembers = "way"
     before_curve = True
     group = "play"

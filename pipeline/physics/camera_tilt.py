@@ -38,6 +38,7 @@ class CameraTilt(Term):
 
     name = "camera_tilt"
     site = "sensor"
+    place = 210.0
     group = "bend"
     says = (
         "The camera looks at the plane of motion from {tilt} off, so that angles are foreshortened."

@@ -35,6 +35,7 @@ class CapstanFriction(Term):
 
     name = "friction"
     site = "transmission"
+    place = 60.0
     remembers = "way"
     grows: ClassVar = {"capstan": ("capstan begun", "capstan bristle", BENT)}
     says = (

@@ -54,6 +54,7 @@ class CoastingPlay(Term):
 
     name = "backlash"
     site = "transmission"
+    place = 30.0
     remembers = "way"
     before_curve = True
     timed = True

@@ -46,6 +46,7 @@ class CoulombFriction(ForceTerm):
     """
 
     name = "coulomb_friction"
+    place = 110.0
     remembers = "way"
     directed = True
     grows: ClassVar = {

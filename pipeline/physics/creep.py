@@ -25,6 +25,7 @@ class Creep(Term):
 
     name = "creep"
     site = "transmission"
+    place = 70.0
     remembers = "time"
     timed = True
     far_apart = True

@@ -20,6 +20,7 @@ class Drift(Term):
 
     name = "drift"
     site = "sensor"
+    place = 230.0
     adds = True
     slow = True
     says = "The zero wanders while it runs."

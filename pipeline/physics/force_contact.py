@@ -28,6 +28,7 @@ class ForceContact(ForceTerm):
 
     def __init__(self, form: str = f"{SIDES[0]} {BUFFER}") -> None:
         self.form = form
+        self.place = 150.0 if self.side > 0.0 else 160.0
 
     @property
     def side(self) -> float:

@@ -21,6 +21,7 @@ class ForceLag(ForceTerm):
     """
 
     name = "response_lag"
+    place = 190.0
     remembers = "time"
     form = LATE
     adds = False

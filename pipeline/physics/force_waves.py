@@ -30,6 +30,7 @@ class ForceGravity(ForceWave):
     """F = moment * sin(x + phase), x an angle. Source: static moment of a pendulum."""
 
     name = "gravity"
+    place = 170.0
     says = "A weight that is turned pulls by up to {moment}, depending on how it hangs."
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
@@ -59,6 +60,7 @@ class ForceRipple(ForceWave):
     """
 
     name = "transmission_ripple"
+    place = 180.0
     periodic = True
     unlikely = 6.0  # it follows what comes again for any other reason, too
     says = "The force swells and ebbs by {amplitude}, again and again every {period}."

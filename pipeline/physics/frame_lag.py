@@ -21,6 +21,7 @@ class FrameLag(Term):
 
     name = "frame_lag"
     site = "sensor"
+    place = 200.0
     remembers = "time"
     group = "lag"
     timed = True

@@ -32,6 +32,7 @@ class Friction(Term):
 
     name = "friction"
     site = "transmission"
+    place = 60.0
     remembers = "way"
     in_balance = True
     mistaken_for = Backlash.name

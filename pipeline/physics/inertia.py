@@ -11,6 +11,7 @@ class Inertia(ForceTerm):
     """F = mass * x''. Source: Newton's second law."""
 
     name = "inertia"
+    place = 100.0
     says = "A mass of {mass} has to be accelerated, beyond what the simulation counts."
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:

@@ -28,6 +28,7 @@ class LensDistortion(Term):
 
     name = "lens_distortion"
     site = "sensor"
+    place = 220.0
     group = "bend"
     says = "The lens bends the image, so that the error grows towards its edge."
 

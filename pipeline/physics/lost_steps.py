@@ -21,6 +21,7 @@ class LostSteps(Term):
 
     name = "lost_steps"
     site = "actuator"
+    place = 10.0
     before_curve = True
     slow = True
     unlikely = 3.0

@@ -10,35 +10,6 @@ from pipeline.physics.kinematics import Curve, IdentityCurve, SmoothError
 from pipeline.physics.motion import Motion
 from pipeline.physics.term import Term
 
-ORDER = (
-    "response_lag motor",
-    "lost_steps",
-    "transmission_ripple",
-    "backlash",
-    "tension_loss",
-    "slack",
-    "friction",
-    "creep",
-    "coupling",
-    "response_lag",
-    "inertia",
-    "coulomb_friction",
-    "viscous_friction",
-    "stribeck_friction",
-    "stiffness",
-    "contact upper buffer",
-    "contact lower buffer",
-    "gravity force",
-    "transmission_ripple force",
-    "response_lag force",
-    "frame_lag",
-    "camera_tilt",
-    "lens_distortion",
-    "drift",
-    "marker_outliers",
-)
-PLACES = {name: place for place, name in enumerate(ORDER)}
-
 
 @dataclass(frozen=True)
 class Piece:
@@ -151,12 +122,7 @@ class Mechanism:
 
 
 def _in_order(pieces: Sequence[Piece]) -> Sequence[Piece]:
-    return pieces if len(pieces) < 2 else sorted(pieces, key=_place)
-
-
-def _place(piece: Piece) -> int:
-    name = piece.term.name
-    return PLACES.get(f"{name} {piece.term.form}", PLACES.get(name, len(PLACES)))
+    return pieces if len(pieces) < 2 else sorted(pieces, key=lambda piece: piece.term.place)
 
 
 def _apply(

@@ -72,6 +72,7 @@ class SheathForce(ForceTerm):
     """
 
     name = "coulomb_friction"
+    place = 110.0
     remembers = "way"
     says_of_near = (
         "The sheath holds the wire back by a share of its pull: while it slides, the pulls at its "

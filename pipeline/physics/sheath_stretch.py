@@ -37,6 +37,7 @@ class SheathStretch(Term):
 
     name = "friction"
     site = "transmission"
+    place = 60.0
     remembers = "way"
     form = "stretch"
     before_curve = True

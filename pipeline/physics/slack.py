@@ -24,6 +24,7 @@ class Slack(Term):
 
     name = "slack"
     site = "transmission"
+    place = 50.0
     in_balance = True
     holds = True
     grows: ClassVar = {HOME: ("", f"{HOME} {BEHIND}"), "": (BEHIND,), f"{HOME} {BEHIND}": (BEHIND,)}

@@ -25,6 +25,7 @@ class Stiffness(ForceTerm):
     """
 
     name = "stiffness"
+    place = 140.0
     grows: ClassVar = {"": ("asymmetric", "hardening")}
     says = "A spring of {stiffness} pushes back."
 

@@ -24,6 +24,7 @@ class StribeckFriction(ForceTerm):
     """
 
     name = "stribeck_friction"
+    place = 130.0
     remembers = "way"
     directed = True
     grows: ClassVar = {"": ("asymmetric", "smoothed")}

@@ -47,6 +47,7 @@ class TensionLoss(Term):
 
     name = "tension_loss"
     site = "transmission"
+    place = 40.0
     remembers = "way"
     before_curve = True
     group = "play"

@@ -11,6 +11,7 @@ from pipeline.number_words import worded
 from pipeline.physics.motion import Motion
 
 SITES = ("actuator", "transmission", "body", "sensor")
+LAST = 1000.0
 NO_STATE = np.zeros(0)
 
 
@@ -104,9 +105,11 @@ class Term:
 
     name: the catalogue's name. form: which of several forms of it ("" where there is one).
     site: where in the chain it acts. before_curve: True where it acts on the drive, before the
-    nominal curve. adds: whether what it adds does not depend on the signal. timed: whether its
-    answer needs every sample, as what it does within a dwell depends on how long that is. says: one
-    line that a mechanic understands, with `{parameter}` fields.
+    nominal curve. place: where among those before the curve, and among those after the balance:
+    that of the lowest place acts first, that of `LAST` at the end. adds: whether what it adds does
+    not depend on the signal. timed: whether its answer needs every sample, as what it does within a
+    dwell depends on how long that is. says: one line that a mechanic understands, with
+    `{parameter}` fields.
     grows: for a form, those that hold more of the real thing; their first parameters are the same.
     far_apart: whether a start says little of where a fit from it ends, until it has gone some way.
     holds: whether it keeps the joint where other terms of the balance would move it.
@@ -126,6 +129,7 @@ class Term:
     name: ClassVar[str]
     site: ClassVar[str]
     before_curve: bool = False
+    place: float = LAST
     in_balance: bool = False
     holds: ClassVar[bool] = False
     slow: ClassVar[bool] = False

@@ -43,6 +43,7 @@ class TransmissionRipple(Term):
 
     name = "transmission_ripple"
     site = "actuator"
+    place = 20.0
     periodic = True
     before_curve = True
     grows: ClassVar = {

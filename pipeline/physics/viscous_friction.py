@@ -43,6 +43,7 @@ class ViscousFriction(ForceTerm):
     """
 
     name = "viscous_friction"
+    place = 120.0
     directed = True
     grows: ClassVar = {
         "": ("asymmetric", "square"),

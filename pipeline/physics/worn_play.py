@@ -27,6 +27,7 @@ class WornPlay(Term):
 
     name = Backlash.name
     site = Backlash.site
+    place = Backlash.place
     remembers = "way"
     before_curve = True
     group = Backlash.group

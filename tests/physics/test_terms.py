@@ -9,7 +9,7 @@ from pipeline.physics.catalogue import WORN, force_terms, term, terms, with_rich
 from pipeline.physics.kinematics import CubicCurve
 from pipeline.physics.mechanism import Mechanism, Piece
 from pipeline.physics.motion import Motion
-from pipeline.physics.term import Surroundings, TermError, values_of
+from pipeline.physics.term import LAST, Surroundings, Term, TermError, values_of
 
 OTHER = "yaw_command_deg"
 CURVE = CubicCurve(0.7, 1e-5)
@@ -223,3 +223,34 @@ def test_a_zero_wanders_more_slowly_than_the_cycles_do(cycles):
 def test_no_form_stands_twice_in_the_catalogue():
     forms = [(t.name, t.form) for t in terms(["yaw_command_deg"])]
     assert len(forms) == len(set(forms))
+
+
+class Doubled(Term):
+    """A term that nobody but its own file knows of."""
+
+    name, site = "doubled", "sensor"
+
+    def __init__(self, place: float) -> None:
+        self.place = place
+
+    def respond(self, signal, motion, values, state):
+        return 2.0 * signal, np.zeros(0)
+
+
+@pytest.mark.parametrize("first", [0, 1])
+def test_a_new_term_acts_where_it_says_itself_in_whatever_order_it_is_given(first):
+    motion, drift = triangle(), term("drift", "linear")
+    added = values_of(drift, around(motion), {"rate": 0.01})
+    alone = Mechanism(pieces=[Piece(drift, added)]).respond(motion)[0]
+
+    def answer(place: float) -> np.ndarray:
+        pieces = [Piece(drift, added), Piece(Doubled(place), np.zeros(0))]
+        return Mechanism(pieces=[pieces[first], pieces[1 - first]]).respond(motion)[0]
+
+    np.testing.assert_allclose(answer(drift.place - 1.0), alone + motion.drive, atol=1e-12)
+    np.testing.assert_allclose(answer(LAST), 2.0 * alone, atol=1e-12)
+
+
+@pytest.mark.parametrize("one", [*EVERY, *with_richer(force_terms())], ids=named)
+def test_what_comes_after_the_balance_says_where(one):
+    assert one.before_curve or one.in_balance or one.place < LAST
