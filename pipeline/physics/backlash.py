@@ -46,6 +46,7 @@ class Backlash(Term):
     remembers = "way"
     before_curve = True
     group = "play"
+    means = "play: lost motion with sharp corners after each reversal"
     says = "The drive turns through {width} of play after each reversal before anything moves."
 
     def richer(self) -> tuple[Term, ...]:

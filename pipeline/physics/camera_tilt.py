@@ -40,6 +40,7 @@ class CameraTilt(Term):
     site = "sensor"
     place = 210.0
     group = "bend"
+    means = "the camera sees the plane of motion from the side"
     says = (
         "The camera looks at the plane of motion from {tilt} off, so that angles are foreshortened."
     )

@@ -120,6 +120,10 @@ def force_terms() -> tuple[Term, ...]:
     )
 
 
+MEANINGS = {t.name: t.means for t in (*terms([""]), *force_terms()) if t.means}
+"""What each name of the catalogue is, in words that stand after a colon."""
+
+
 def richer(term: Term) -> tuple[Term, ...]:
     """Forms of a term that hold more of the real thing, as it says itself.
 

@@ -34,6 +34,7 @@ class Compliance(Term):
     in_balance = True
     group = "bend"
     grows: ClassVar = {"wire": ("toe", "off home", DRIVEN)}
+    means = "stretch: less motion than commanded, hardening"
     says = (
         "The wire stretches under the joint's stiffness, and hardens: it moves less than commanded."
     )

@@ -32,6 +32,7 @@ class Contact(Term):
     grows: ClassVar = {
         side: tuple(f"{side} {how}" for how in ("unloading", HARDENING)) for side in SIDES
     }
+    means = "stiffer beyond an angle on one side"
     says = "Beyond {angle} on one side it touches something and gets stiffer."
 
     def __init__(self, form: str = "upper") -> None:

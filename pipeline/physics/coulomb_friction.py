@@ -57,6 +57,7 @@ class CoulombFriction(ForceTerm):
         "asymmetric spread": ("asymmetric bristle",),
         "spread": ("asymmetric spread", "bristle"),
     }
+    means = "a force against the motion, whatever its speed"
     says = "Dry friction holds back by {force} at any speed, and turns round over {reach}."
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:

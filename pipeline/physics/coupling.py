@@ -31,6 +31,7 @@ class Coupling(Term):
     name = "coupling"
     site = "body"
     place = 80.0
+    means = "another axis's command moves this one"
     says = "The command {other} moves this one too, by {gain} of it."
     says_squared = (
         "The command {other} moves this one too, by {gain} of it and {bend} of its square."

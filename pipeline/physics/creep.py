@@ -36,6 +36,7 @@ class Creep(Term):
         "running": ("wire",),
         "wire": ("wire two",),
     }
+    means = "part of the motion arrives late, and depends on the dwell"
     says = "Part of each motion ({share}) arrives late, with a time constant of {time_constant}."
 
     def __init__(self, form: str = "one") -> None:

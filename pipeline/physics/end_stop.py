@@ -22,6 +22,7 @@ class EndStop(Term):
     sided = True
     in_balance = True
     holds = True
+    means = "no motion beyond an angle"
     says = "It can't move beyond {angle}: it hits a stop."
 
     def __init__(self, form: str = "upper") -> None:

@@ -25,6 +25,7 @@ class FrameLag(Term):
     remembers = "time"
     group = "lag"
     timed = True
+    means = "the frame shows an earlier pose"
     says = "The camera's frame is old: it shows the pose of {lag} before."
 
     def __init__(self, form: str = "time") -> None:

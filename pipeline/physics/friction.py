@@ -40,6 +40,7 @@ class Friction(Term):
         "symmetric": ("asymmetric", "bristle", "bristle asymmetric", "driven", WRAPPED),
         "driven": (ASYMMETRIC,),
     }
+    means = "wire friction with pre-sliding: a loop with rounded corners"
     says = (
         "Friction holds the wire back by {width} between the two ways, "
         "and gives way gradually over the first {reach} of motion."

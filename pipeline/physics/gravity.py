@@ -26,6 +26,7 @@ class Gravity(Term):
     in_balance = True
     group = "bend"
     grows: ClassVar = {"": ("unloading",)}
+    means = "deflection that depends on the absolute pose"
     says = "Its own weight bends it by up to {deflection}, depending on how it hangs."
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:

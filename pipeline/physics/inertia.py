@@ -12,6 +12,7 @@ class Inertia(ForceTerm):
 
     name = "inertia"
     place = 100.0
+    means = "a force that grows with the acceleration"
     says = "A mass of {mass} has to be accelerated, beyond what the simulation counts."
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:

@@ -30,6 +30,7 @@ class LensDistortion(Term):
     site = "sensor"
     place = 220.0
     group = "bend"
+    means = "an error that grows with the angle in the image"
     says = "The lens bends the image, so that the error grows towards its edge."
 
     def __init__(self, form: str = "first") -> None:

@@ -26,6 +26,7 @@ class LostSteps(Term):
     slow = True
     unlikely = 3.0
     grows: ClassVar = {"once": ("twice",)}
+    means = "the shaft slips at a moment: a jump of the zero"
     says = "The shaft slipped by {jump} at {time}, and its zero has been off since."
     says_twice = "The shaft slipped by {jump} at {time} and by {jump_2} at {time_2}."
 

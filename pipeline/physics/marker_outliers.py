@@ -17,6 +17,7 @@ class MarkerOutliers(Term):
     name = "marker_outliers"
     site = "sensor"
     place = 240.0
+    means = "frames in which the marker was mistaken"
     says = "In {share} of the frames another thing was taken for the marker, about {size} off."
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:

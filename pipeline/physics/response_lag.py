@@ -99,6 +99,7 @@ class ResponseLag(Term):
     group = "lag"
     timed = True
     grows: ClassVar = dict.fromkeys(FIRST_ORDER, ("second", "motor", "slewing"))
+    means = "the whole motion comes after the command"
     says = "The whole motion comes late, with a time constant of {time_constant}."
     says_of_second = (
         "{who} swings after the command, with a natural frequency of {natural_frequency} and a "

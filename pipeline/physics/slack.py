@@ -28,6 +28,7 @@ class Slack(Term):
     in_balance = True
     holds = True
     grows: ClassVar = {HOME: ("", f"{HOME} {BEHIND}"), "": (BEHIND,), f"{HOME} {BEHIND}": (BEHIND,)}
+    means = "a dead zone around home, without a loop"
     says = "Around home both wires hang slack: nothing moves over {width} of drive."
 
     def __init__(self, form: str = "") -> None:

@@ -27,6 +27,7 @@ class Stiffness(ForceTerm):
     name = "stiffness"
     place = 140.0
     grows: ClassVar = {"": ("asymmetric", "hardening")}
+    means = "a force that grows with the position, like a spring's"
     says = "A spring of {stiffness} pushes back."
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:

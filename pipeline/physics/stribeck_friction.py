@@ -28,6 +28,7 @@ class StribeckFriction(ForceTerm):
     remembers = "way"
     directed = True
     grows: ClassVar = {"": ("asymmetric", "smoothed")}
+    means = "friction that falls when motion sets in"
     says = "At less than about {speed}, dry friction holds back by {force} more."
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:

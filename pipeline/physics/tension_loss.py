@@ -53,6 +53,7 @@ class TensionLoss(Term):
     group = "play"
     far_apart = True
     grows: ClassVar = {"linear": ("late", "settling", "round"), "cycle": ("cycle round",)}
+    means = "a wire that slackens: the loop's width grows from cycle to cycle"
     says = "The wire slackens: its play was {width} at the start and grows by {growth} of travel."
 
     def __init__(self, form: str = "linear") -> None:

@@ -108,8 +108,8 @@ class Term:
     nominal curve. place: where among those before the curve, and among those after the balance:
     that of the lowest place acts first, that of `LAST` at the end. adds: whether what it adds does
     not depend on the signal. timed: whether its answer needs every sample, as what it does within a
-    dwell depends on how long that is. says: one line that a mechanic understands, with
-    `{parameter}` fields.
+    dwell depends on how long that is. means: what its name is in general, said once for a name.
+    says: one line that a mechanic understands, with `{parameter}` fields.
     grows: for a form, those that hold more of the real thing; their first parameters are the same.
     far_apart: whether a start says little of where a fit from it ends, until it has gone some way.
     holds: whether it keeps the joint where other terms of the balance would move it.
@@ -145,6 +145,7 @@ class Term:
     remembers: ClassVar[Literal["", "way", "time"]] = ""
     periodic: ClassVar[bool] = False
     sided: ClassVar[bool] = False
+    means: ClassVar[str] = ""
     says: ClassVar[str]
     form: str = ""
     grows: ClassVar[Mapping[str, tuple[str, ...]]] = {}

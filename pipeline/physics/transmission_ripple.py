@@ -54,6 +54,7 @@ class TransmissionRipple(Term):
         "third afloat": ("both afloat", "odd afloat"),
         "both afloat": ("all afloat",),
     }
+    means = "a periodic error over the shaft angle: eccentric pulley, gear teeth"
     says = (
         "The drive runs ahead and behind by {amplitude}, again and again every {period} of shaft."
     )

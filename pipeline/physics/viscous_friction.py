@@ -50,6 +50,7 @@ class ViscousFriction(ForceTerm):
         "asymmetric": ("asymmetric square",),
         "square": ("asymmetric square",),
     }
+    means = "a force against the motion that grows with its speed"
     says = "Friction that grows with the speed holds back by {damping}."
 
     def __init__(self, form: str = "") -> None:

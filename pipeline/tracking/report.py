@@ -11,6 +11,7 @@ from jinja2 import Environment, StrictUndefined
 from markupsafe import Markup
 
 from pipeline.discrepancy.model.result import Diagnosis, Evidence
+from pipeline.physics.catalogue import MEANINGS
 from pipeline.recording import file_stem, write_atomically
 from pipeline.tracking import report_words as words
 from pipeline.tracking.diagnosis_figures import diagnosis_figures, overview_figure, spoken, svg_of
@@ -101,7 +102,7 @@ def page(measurements: Sequence[Mapping[str, Any]]) -> str:
     }  # fmt: skip
     text = resources.files("pipeline.tracking").joinpath("templates", TEMPLATE).read_text("utf-8")
     return environment.from_string(text).render(
-        measurements=measurements, what_it_is=words.WHAT_IT_IS, captions=CAPTIONS
+        measurements=measurements, what_it_is=MEANINGS, captions=CAPTIONS
     )
 
 

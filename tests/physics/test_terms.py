@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pipeline.physics.catalogue import WORN, force_terms, term, terms, with_richer
+from pipeline.physics.catalogue import MEANINGS, WORN, force_terms, term, terms, with_richer
 from pipeline.physics.kinematics import CubicCurve
 from pipeline.physics.mechanism import Mechanism, Piece
 from pipeline.physics.motion import Motion
@@ -254,3 +254,8 @@ def test_a_new_term_acts_where_it_says_itself_in_whatever_order_it_is_given(firs
 @pytest.mark.parametrize("one", [*EVERY, *with_richer(force_terms())], ids=named)
 def test_what_comes_after_the_balance_says_where(one):
     assert one.before_curve or one.in_balance or one.place < LAST
+
+
+@pytest.mark.parametrize("one", [*terms([OTHER]), *force_terms()], ids=named)
+def test_every_name_that_a_report_may_list_says_what_it_is(one):
+    assert MEANINGS[one.name][0].islower()

@@ -27,12 +27,12 @@ from pipeline.discrepancy.model.result import (
 )
 from pipeline.discrepancy.noise.noise import NoiseModel
 from pipeline.physics.backlash import play
+from pipeline.physics.catalogue import MEANINGS
 from pipeline.physics.mechanism import Mechanism
 from pipeline.physics.motion import Motion
 from pipeline.recording import Channel, Recording
 from pipeline.tracking.report import write_report
 from pipeline.tracking.report_words import (
-    WHAT_IT_IS,
     chance,
     error_sentence,
     number,
@@ -161,7 +161,7 @@ def test_the_page_says_everything_that_a_mechanic_asks(page: Page) -> None:
         "The drive turns through 8.04 deg of play", "7.9 to 8.2", "90 % sure",
         "After each reversal, over", "would separate backlash from friction",
         "acquisition.commands=next_commands.csv", "gain 1.01, offset −0.2 deg", "coupling",
-        "10 of 600 samples were not measured.", "without", WHAT_IT_IS["friction"],
+        "10 of 600 samples were not measured.", "without", MEANINGS["friction"],
     ):  # fmt: skip
         assert part.lower() in said.lower(), part
 
