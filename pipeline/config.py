@@ -69,7 +69,7 @@ class RobotConfig:
 
 @dataclass
 class CameraConfig:
-    """Which camera: `kind` is `twin`, `v4l2` or `folder`."""
+    """Which camera: `kind` is `twin` or one of `laboratory.CAMERAS`; not every key is of each."""
 
     kind: str = MISSING
     width_px: int = 1008

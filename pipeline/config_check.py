@@ -10,7 +10,6 @@ from pipeline.errors import UsageError, refusal
 CHOICES: dict[str, tuple[str, ...]] = {
     "acquisition.clock": ("simulated", "real"),
     "robot.kind": ("emulated", "epos2"),
-    "camera.kind": ("twin", "v4l2", "folder"),
     "split.kind": ("paper", "leave_three_out", "k_fold", "explicit"),
     "selection.criterion": ("bic", "aic", "heldout"),
     "simulation.kind": ("recorded", "identity", "affine", "trace", "mechanism", "python"),

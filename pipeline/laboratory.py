@@ -5,7 +5,7 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 
 from pipeline.clock import Clock, RealClock, SimulatedClock
-from pipeline.config import Config
+from pipeline.config import CameraConfig, Config
 from pipeline.errors import UsageError, refusal
 from pipeline.hardware.camera import Camera
 from pipeline.hardware.epos2 import Epos2, qc_per_deg
@@ -16,6 +16,12 @@ from pipeline.hardware.robot import Robot
 from pipeline.hardware.v4l2 import V4l2Camera
 from pipeline.twin.microscope import TwinCamera
 from pipeline.twin.snake import Snake
+
+TWIN = "twin"
+CAMERAS: dict[str, Callable[[str, CameraConfig], Camera]] = {
+    "v4l2": V4l2Camera,
+    "folder": FolderCamera,
+}
 
 
 @dataclass(frozen=True)
@@ -48,21 +54,26 @@ def open_laboratory(config: Config, axes: Sequence[str], seed: int) -> Iterator[
         stack.callback(line.close)
         robot = Epos2(line, config.robot, clock)
         truth = None
-        if config.camera.kind == "twin" and emulator is not None:
+        if config.camera.kind == TWIN and emulator is not None:
             snake = Snake(config.twin, seed)
             truth = snake.pose_deg
             cameras = _microscopes(config, axes, seed, snake, emulator, clock)
         else:
-            kind = V4l2Camera if config.camera.kind == "v4l2" else FolderCamera
-            cameras = {axis: kind(axis, config.camera) for axis in axes}
+            camera_of = CAMERAS[config.camera.kind]
+            cameras = {axis: camera_of(axis, config.camera) for axis in axes}
         for camera in cameras.values():
             stack.callback(camera.close)
         yield Laboratory(robot, cameras, clock, truth)
 
 
 def _check(config: Config) -> None:
+    if config.camera.kind not in (TWIN, *CAMERAS):
+        raise UsageError(
+            refusal("configuration, camera.kind", f"one of {', '.join((TWIN, *CAMERAS))}",
+                    repr(config.camera.kind), "Choose one.")
+        )  # fmt: skip
     real_robot = config.robot.kind != "emulated"
-    if real_robot and config.camera.kind == "twin":
+    if real_robot and config.camera.kind == TWIN:
         raise UsageError(
             refusal("configuration, camera", "a camera that sees the real robot", "camera=twin",
                     "Choose camera=v4l2, or robot=emulated.")

@@ -5,12 +5,9 @@ import pytest
 from play_loop import curve, play, play_recording, triangle
 
 from pipeline.config import (
-    ArmijoConfig,
-    BarzilaiBorweinConfig,
+    STEP_RULES,
     CompensationConfig,
     ConstantConfig,
-    DiminishingConfig,
-    NewtonConfig,
     StepRuleConfig,
     TrainingConfig,
 )
@@ -31,8 +28,6 @@ from pipeline.control.monotone import MonotoneBranch
 from pipeline.control.trial import trial_path
 from pipeline.errors import LoopgapError
 from pipeline.models.loop_model import MODELS, LoopModel
-
-RULES = (ArmijoConfig, BarzilaiBorweinConfig, ConstantConfig, DiminishingConfig, NewtonConfig)
 
 
 def straight(offset: float, slope: float = 0.7) -> MonotoneBranch:
@@ -116,7 +111,7 @@ def test_wild_steps_are_held_by_the_bracket(step: float) -> None:
     assert solution.status == CONVERGED
 
 
-@pytest.mark.parametrize("rule", RULES)
+@pytest.mark.parametrize("rule", STEP_RULES.values())
 def test_every_rule_reaches_a_millionth_of_a_degree_in_the_model(
     model: LoopModel, rule: Callable[[], StepRuleConfig]
 ) -> None:
