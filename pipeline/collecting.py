@@ -7,7 +7,7 @@ from pathlib import Path
 
 from pipeline.config import CONF
 from pipeline.errors import LoopgapError, UsageError, refusal
-from pipeline.tracking.collection import REPEAT_FILE, Collection, collect, gather
+from pipeline.tracking.collection import DIAGNOSES, REPEAT_FILE, Collection, collect, gather
 from pipeline.tracking.paper_table import stale, write_tables
 from pipeline.tracking.planned import read_plan
 
@@ -43,6 +43,8 @@ def conclude(sweep: Path, tables: Sequence[Path] | None = None, mixed_commits: b
     """
     collection = collect(sweep)
     print(f"\nresults of all jobs: {sweep / 'results.md'}")
+    if len(collection.diagnoses):
+        print(f"what their simulations left out: {sweep / DIAGNOSES}.md")
     _say_incomplete(collection, sweep)
     status = 1 if len(collection.incomplete) else 0
     for definition in _tables_of(sweep) if tables is None else tables:
@@ -59,6 +61,11 @@ def _check(sweep: Path, tables: Sequence[Path], mixed_commits: bool) -> int:
     written = sweep / RESULTS_CSV
     if not written.is_file() or written.read_text() != collection.results.to_csv(index=False):
         old.append(RESULTS_CSV)
+    said = sweep / f"{DIAGNOSES}.csv"
+    if said.is_file() or len(collection.diagnoses):
+        now = collection.diagnoses.to_csv(index=False)
+        if not said.is_file() or said.read_text() != now:
+            old.append(said.name)
     for definition in tables:
         files = stale(sweep, definition, collection, mixed_commits)
         old += [f"{definition.stem}/{name}" for name in files]

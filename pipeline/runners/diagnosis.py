@@ -29,6 +29,7 @@ from pipeline.runners.run_folder import Run, made, say_now
 from pipeline.runners.simulation import asked_for, with_simulation
 from pipeline.stages.diagnosis import diagnose
 from pipeline.stages.prediction import predict
+from pipeline.tracking.diagnoses import DIAGNOSIS_FILE, left_out, overview
 from pipeline.tracking.report import write_report
 from pipeline.tracking.tables import plain, write_table
 
@@ -59,7 +60,7 @@ def run_diagnosis(run: Run) -> None:
     for evidence in answered.evidence:
         file = made(run.folder / "diagnosis") / f"{file_stem(evidence.measurement)}.csv"
         write_atomically(file, _table(evidence).to_csv(index=False))
-    table = overview(answered.diagnoses)
+    table = overview(as_json(answered.diagnoses)["measurements"])
     write_table(table, run.folder / "diagnosis", "table")
     print(f"\nWhat the simulation left out:\n{plain(table)}")
     print(f"  report, opens in any browser: {run.folder / 'report.html'}")
@@ -117,7 +118,7 @@ def write_answer(answered: Answered, folder: Path) -> None:
         if proposal is not None and proposal.commands is not None:
             file = commands_file(diagnosis.measurement, len(answered.diagnoses))
             write_atomically(folder / file, proposal.commands.to_csv(index=False))
-    write_atomically(folder / "diagnosis.json", json.dumps(as_json(answered.diagnoses), indent=1))
+    write_atomically(folder / DIAGNOSIS_FILE, json.dumps(as_json(answered.diagnoses), indent=1))
 
 
 def write_pages(answered: Answered, folder: Path) -> None:
@@ -126,33 +127,10 @@ def write_pages(answered: Answered, folder: Path) -> None:
     write_report(folder, answered.diagnoses, answered.evidence, commands)
 
 
-def overview(diagnoses: Sequence[Diagnosis]) -> pd.DataFrame:
-    """A row for each measurement: verdict, what was left out, error before and after, noise."""
-    rows = [
-        {
-            "measurement": d.measurement,
-            "verdict": d.verdict.replace("_", " "),
-            "left out": left_out(d) or "nothing",
-            "held-out RMSE before": d.before.heldout_rmse,
-            "after": d.after.heldout_rmse,
-            "noise": d.noise,
-            "unit": d.unit,
-        }
-        for d in diagnoses
-    ]
-    return pd.DataFrame(rows)
-
-
-def left_out(diagnosis: Diagnosis) -> str:
-    """The named physics with what each may also be."""
-    return " + ".join(
-        " or ".join((physics.name, *physics.alternatives)) for physics in diagnosis.physics
-    )
-
-
 def summary(diagnosis: Diagnosis) -> str:
     """A diagnosis in a line."""
-    names = left_out(diagnosis)
+    (entry,) = as_json((diagnosis,))["measurements"]
+    names = left_out(entry)
     return (
         f"{diagnosis.measurement}: {diagnosis.verdict}{f', {names}' if names else ''}; held-out "
         f"RMSE {diagnosis.before.heldout_rmse:.3g} -> {diagnosis.after.heldout_rmse:.3g} "

@@ -1,7 +1,7 @@
 """Collection: one long table over the jobs of a sweep, and how to come by what it lacks."""
 
 import shlex
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
@@ -9,12 +9,14 @@ from pathlib import Path
 import pandas as pd
 
 from pipeline.recording import write_atomically
+from pipeline.tracking.diagnoses import Entry, how_much, overview, parameters
 from pipeline.tracking.jobs import DONE, ORIGIN, Job, read_jobs
 from pipeline.tracking.planned import config_options, override, settings
-from pipeline.tracking.tables import METRIC_COLUMNS, markdown
+from pipeline.tracking.tables import METRIC_COLUMNS, markdown, write_table
 
 RESULTS_FILE = "results.parquet"
 REPEAT_FILE = "repeat.sh"
+DIAGNOSES, PARAMETERS_FILE = "diagnoses", "parameters.csv"
 INCOMPLETE_COLUMNS = ["job", "status", "error", "command"]
 NOTHING = "None of these jobs measured anything that a table could show: look into their folders."
 SUMMARY_KEYS = ["axis", "method", "metric", "unit"]
@@ -27,18 +29,24 @@ class Collection:
     `results`: a row for each job and number: job, its overrides, `ORIGIN`, what a stage varied
     within a job, then `METRIC_COLUMNS`. `jobs`: job, status, error and the overrides of every job
     that was planned or found. `incomplete`: job, status, error and the command that repeats it.
+    `diagnoses`: a row for each job and diagnosed measurement: job, the overrides that differ among
+    jobs, verdict, what was left out and by how much, errors, noise. `parameters`: of those, a row
+    for each parameter of each name.
     """
 
     results: pd.DataFrame
     jobs: pd.DataFrame
     incomplete: pd.DataFrame
+    diagnoses: pd.DataFrame
+    parameters: pd.DataFrame
 
 
 def collect(sweep: Path) -> Collection:
     """Gather the jobs below `sweep` and write what was found there, whole each time.
 
     results.parquet and results.csv (`Collection.results`), results.md (what is there and what is
-    not), repeat.sh (the commands that repeat the incomplete jobs; none if there are none). A job
+    not), diagnoses.csv, .md and .tex and parameters.csv (where jobs diagnosed something), repeat.sh
+    (the commands that repeat the incomplete jobs; none if there are none). A job
     that failed, was never started or lost its numbers is listed, never dropped. UsageError if there
     is no job at all.
     """
@@ -46,6 +54,9 @@ def collect(sweep: Path) -> Collection:
     write_atomically(sweep / RESULTS_FILE, parquet(collection.results))
     write_atomically(sweep / "results.csv", collection.results.to_csv(index=False))
     write_atomically(sweep / "results.md", _report(collection))
+    if len(collection.diagnoses):
+        write_table(collection.diagnoses, sweep, DIAGNOSES)
+        write_atomically(sweep / PARAMETERS_FILE, collection.parameters.to_csv(index=False))
     if len(collection.incomplete):
         write_atomically(sweep / REPEAT_FILE, _repeat(sweep, collection.incomplete))
     else:
@@ -70,6 +81,8 @@ def gather(sweep: Path) -> Collection:
         _stacked(done, heads.drop(columns=["status", "error"])),
         heads,
         pd.DataFrame(incomplete, columns=INCOMPLETE_COLUMNS),
+        _diagnosed(done, heads, _with_how_much),
+        _diagnosed(done, heads, parameters),
     )
 
 
@@ -107,6 +120,25 @@ def _stacked(done: list[Job], heads: pd.DataFrame) -> pd.DataFrame:
     return stacked[[*head, *varied, *METRIC_COLUMNS]]
 
 
+def _diagnosed(
+    done: list[Job], heads: pd.DataFrame, tell: Callable[[Sequence[Entry]], pd.DataFrame]
+) -> pd.DataFrame:
+    """What is told of each job's diagnoses, behind its name and what differs between jobs."""
+    differing = [c for c in heads if c == "job" or heads[c].nunique(dropna=False) > 1]
+    differing = [c for c in differing if c not in ("status", "error")]
+    tables = [tell(job.diagnoses).assign(job=job.name) for job in done if job.diagnoses]
+    if not any(len(table) for table in tables):
+        return pd.DataFrame(columns=differing)
+    return heads[differing].merge(pd.concat(tables, ignore_index=True), on="job")
+
+
+def _with_how_much(entries: Sequence[Entry]) -> pd.DataFrame:
+    table = overview(entries)
+    place = list(table.columns).index("left out") + 1
+    table.insert(place, "how much (95 %)", [how_much(entry) for entry in entries])
+    return table
+
+
 def _report(collection: Collection) -> str:
     jobs, lacking = len(collection.jobs), collection.incomplete
     parts = [f"# {jobs - len(lacking)} of {jobs} jobs\n"]
@@ -114,9 +146,12 @@ def _report(collection: Collection) -> str:
         parts.append(
             f"## Incomplete\n\n{markdown(lacking)}\n`sh {REPEAT_FILE}` repeats just these.\n"
         )
-    if collection.results.empty:
+    if len(collection.diagnoses):
+        parts.append(f"## What was left out\n\n{markdown(_verdicts(collection.diagnoses))}")
+        parts.append(f"Each: {DIAGNOSES}.md, .csv, .tex; every parameter: {PARAMETERS_FILE}.\n")
+    elif collection.results.empty:
         parts.append(f"{NOTHING}\n")
-    else:
+    if len(collection.results):
         parts.append(f"## All jobs together\n\n{markdown(_summary(collection.results))}")
     parts.append(f"Every number: {RESULTS_FILE}, results.csv ({len(collection.results)} rows).\n")
     return "\n".join(parts)
@@ -129,6 +164,13 @@ def _summary(results: pd.DataFrame) -> pd.DataFrame:
     pooled = results[results["cycle"].isna()]
     groups = pooled.groupby([*varied, *SUMMARY_KEYS], sort=False, dropna=False)["value"]
     return groups.agg(mean="mean", deviation="std", n="count").reset_index()
+
+
+def _verdicts(diagnoses: pd.DataFrame) -> pd.DataFrame:
+    """How many jobs say the same of a measurement, the most frequent first."""
+    said = diagnoses.groupby(["measurement", "verdict", "left out"], sort=False).size()
+    counted = said.sort_values(ascending=False, kind="stable").rename("jobs").reset_index()
+    return counted.sort_values("measurement", kind="stable")
 
 
 def _repeat(sweep: Path, incomplete: pd.DataFrame) -> str:

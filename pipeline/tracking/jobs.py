@@ -1,12 +1,13 @@
 """The jobs of a sweep: what was planned, how each ended, and the metrics that it left.
 
-A job's folder holds `job.json` (overrides, status, error), `provenance.json`, and a `metrics.csv`
-in the folder of each stage that measures something. Only what lies in the sweep's folder is read,
-so it may be moved.
+A job's folder holds `job.json` (overrides, status, error), `provenance.json`, a `metrics.csv` in
+the folder of each stage that measures something, and `diagnosis.json` where one was made. Only what
+lies in the sweep's folder is read, so it may be moved.
 """
 
 import json
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -14,6 +15,7 @@ from typing import Any
 import pandas as pd
 
 from pipeline.errors import UsageError, refusal
+from pipeline.tracking.diagnoses import DIAGNOSIS_FILE, Entry, read_diagnoses
 from pipeline.tracking.hashes import digest
 from pipeline.tracking.planned import UNREADABLE, Plan, read_plan, read_yaml, settings
 from pipeline.tracking.tables import METRIC_COLUMNS
@@ -31,7 +33,7 @@ class Job:
     """One job: its folder's name, its overrides as given, how it ended, and what it left.
 
     `origin` has `ORIGIN`'s commit and hashes; `metrics` is there if the job is done, None where
-    none of its stages measures anything.
+    none of its stages measures anything. `diagnoses`: its entries of diagnosis.json.
     """
 
     name: str
@@ -40,6 +42,7 @@ class Job:
     error: str = ""
     origin: dict[str, str] = field(default_factory=dict)
     metrics: pd.DataFrame | None = None
+    diagnoses: Sequence[Entry] = ()
 
 
 def read_jobs(sweep: Path) -> list[Job]:
@@ -77,7 +80,8 @@ def _read(folder: Path, plan: Plan | None) -> Job:
         return Job(name, overrides, UNFINISHED, f"it was {status} when it was last heard of")
     try:
         metrics = _metrics(folder, set(given))
-        return Job(name, overrides, DONE, "", _origin(folder), metrics)
+        diagnoses = _diagnoses(folder)
+        return Job(name, overrides, DONE, "", _origin(folder), metrics, diagnoses)
     except (*UNREADABLE, KeyError, TypeError) as error:
         return Job(name, overrides, "no results", str(error))
 
@@ -117,12 +121,25 @@ def _metrics(folder: Path, keys: set[str]) -> pd.DataFrame | None:
         tables.append(table.astype({"cycle": "Int64", "n": "Int64", "value": float}))
     if tables:
         return pd.concat(tables, ignore_index=True)
+    _refuse_lost(folder, METRICS_FILE)
+    return None
+
+
+def _diagnoses(folder: Path) -> list[Entry]:
+    """What a job's diagnosis says, nothing if it made none; ValueError if that is lost."""
+    found = read_diagnoses(folder)
+    if not found:
+        _refuse_lost(folder, DIAGNOSIS_FILE)
+    return found
+
+
+def _refuse_lost(folder: Path, name: str) -> None:
+    """ValueError if a stage left a file of that name: it is not there any more."""
     noted = json.loads((folder / "provenance.json").read_text(encoding="utf-8"))
-    left = [name for stage in noted["stages"] for name in stage["outputs"]]
-    lost = [name for name in left if Path(name).name == METRICS_FILE]
+    left = [file for stage in noted["stages"] for file in stage["outputs"]]
+    lost = [file for file in left if Path(file).name == name]
     if lost:
         raise ValueError(f"{lost[0]} is not there any more")
-    return None
 
 
 def _origin(folder: Path) -> dict[str, str]:

@@ -8,6 +8,7 @@ import pytest
 from hydra.core.override_parser.overrides_parser import OverridesParser
 from made_sweep import add_job, plan
 
+from pipeline.collecting import run
 from pipeline.errors import UsageError
 from pipeline.tracking.collection import collect
 from pipeline.tracking.planned import override
@@ -71,12 +72,79 @@ def test_a_folder_of_any_name_is_told_as_hydra_reads_it(name: str) -> None:
 def test_a_job_whose_stages_measure_nothing_is_done(tmp_path: Path) -> None:
     folder = add_job(tmp_path, "0", {"recording": "mine"})
     (folder / "evaluation/metrics.csv").unlink()
-    left = {"stage": "diagnosis", "inputs": {}, "outputs": {"diagnosis.json": "hash"}}
+    left = {"stage": "prediction", "inputs": {}, "outputs": {"predictions.csv": "hash"}}
     (folder / "provenance.json").write_text(json.dumps({"code": {}, "stages": [left]}))
     assert collect(tmp_path).incomplete.empty
     report = (tmp_path / "results.md").read_text()
     assert "# 1 of 1 jobs" in report
     assert "look into their folders" in report
+    assert not (tmp_path / "diagnoses.csv").exists()
+
+
+def add_diagnosis(sweep: Path, name: str, recording: str, *physics: dict[str, object]) -> Path:
+    folder = add_job(sweep, name, {"stages": "[diagnosis]", "recording": recording})
+    (folder / "evaluation/metrics.csv").unlink()
+    left = {"stage": "diagnosis", "inputs": {}, "outputs": {"diagnosis.json": "hash"}}
+    (folder / "provenance.json").write_text(json.dumps({"code": {}, "stages": [left]}))
+    entry = {
+        "measurement": "elbow_deg", "unit": "deg", "noise": 0.125, "physics": physics,
+        "verdict": "partly_explained" if physics else "no_mismatch",
+        "before": {"train_rmse": 3.1, "heldout_rmse": 3.2},
+        "after": {"train_rmse": 0.16, "heldout_rmse": 0.17},
+    }  # fmt: skip
+    (folder / "diagnosis.json").write_text(json.dumps({"measurements": [entry]}))
+    return folder
+
+
+PLAY = {
+    "name": "backlash", "probability": 0.98, "alternatives": ["friction"],
+    "parameters": [{"name": "width", "value": 8.125, "low": 7.9, "high": 8.3, "unit": "deg"}],
+}  # fmt: skip
+LENS = {"name": "lens_distortion", "probability": 0.9, "alternatives": [], "parameters": []}
+
+
+def test_diagnoses_of_many_recordings_are_one_table(tmp_path: Path, capsys) -> None:
+    add_diagnosis(tmp_path, "0", "lab/one", PLAY, LENS)
+    add_diagnosis(tmp_path, "1", "lab/two")
+    add_diagnosis(tmp_path, "2", "lab/three", PLAY, LENS)
+    assert collect(tmp_path).incomplete.empty
+    table = pd.read_csv(tmp_path / "diagnoses.csv")
+    assert list(table.columns) == [
+        "job", "recording", "measurement", "verdict", "left out", "how much (95 %)",
+        "held-out RMSE before", "after", "noise", "unit",
+    ]  # fmt: skip
+    assert list(table["recording"]) == ["lab/one", "lab/two", "lab/three"]
+    first, second = table.iloc[0], table.iloc[1]
+    assert first["left out"] == "backlash or friction + lens_distortion"
+    assert first["how much (95 %)"] == "backlash: width 8.12 (7.9 to 8.3) deg"
+    assert (first["verdict"], first["after"], first["noise"]) == ("partly explained", 0.17, 0.125)
+    assert (second["verdict"], second["left out"]) == ("no mismatch", "nothing")
+    assert "| lab/three |" in (tmp_path / "diagnoses.md").read_text()
+    assert r"backlash or friction + lens\_distortion" in (tmp_path / "diagnoses.tex").read_text()
+    each = pd.read_csv(tmp_path / "parameters.csv")
+    assert list(each["recording"]) == ["lab/one"] * 2 + ["lab/three"] * 2
+    assert each.iloc[0][["name", "alternatives", "parameter", "value", "low", "high"]].tolist() == [
+        "backlash", "friction", "width", 8.125, 7.9, 8.3,
+    ]  # fmt: skip
+    assert each["parameter"].isna().tolist() == [False, True, False, True]
+    report = (tmp_path / "results.md").read_text()
+    assert "partly explained | backlash or friction + lens_distortion |    2 |" in report
+    assert "look into their folders" not in report
+    assert run([str(tmp_path), "--check"]) == 0
+    add_diagnosis(tmp_path, "3", "lab/four", PLAY)
+    assert run([str(tmp_path), "--check"]) == 1
+    assert "diagnoses.csv is not what" in capsys.readouterr().err
+
+
+def test_a_diagnosis_that_is_lost_or_broken_is_missing(tmp_path: Path) -> None:
+    (add_diagnosis(tmp_path, "0", "lab/one", PLAY) / "diagnosis.json").unlink()
+    (add_diagnosis(tmp_path, "1", "lab/two") / "diagnosis.json").write_text(
+        '{"measurements": [{}]}'
+    )
+    lacking = collect(tmp_path).incomplete
+    assert list(lacking["status"]) == ["no results", "no results"]
+    assert lacking["error"][0] == "diagnosis.json is not there any more"
+    assert "diagnosis.json: no diagnosis" in lacking["error"][1]
 
 
 def test_jobs_of_ones_own_configuration_are_repeated_with_it(tmp_path: Path) -> None:
