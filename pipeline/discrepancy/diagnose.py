@@ -8,6 +8,7 @@ from pipeline.discrepancy.fitting.charge import absurd_calibration
 from pipeline.discrepancy.judgement.beyond import beyond_its_name
 from pipeline.discrepancy.judgement.cycle_zero import wanders_by_cycle
 from pipeline.discrepancy.judgement.faint import without_faint
+from pipeline.discrepancy.judgement.force_rest import left_by, mean_square
 from pipeline.discrepancy.judgement.named import named_physics, verdict_of
 from pipeline.discrepancy.judgement.notes import accuracy_note, notes, smooth_error
 from pipeline.discrepancy.judgement.proof import counted_errors, disproved, strained
@@ -139,9 +140,14 @@ def reported_noise(
 ) -> NoiseModel:
     """The noise, without a structured rest that the fit had to take for noise.
 
-    Then it is that of the repeats, if there are any and they are quieter.
+    Then it is that of the repeats, if there are any and they are quieter, and of a force what does
+    not come again where its motion does.
     """
     noise = model.noise if structure.wandering is None else best.fit.ground.noise
+    if structure.found and structure.alike.sure:
+        taken = best.fit.ground.noise.white
+        again = structure.alike.share * min(taken**2, mean_square(left_by(best)))
+        return replace(noise, white=float(np.sqrt(max(noise.white**2 - again, 0.0))))
     if structure.found and explanation.prior.repeats > 0:
         return min(noise, explanation.prior.model, key=lambda n: n.deviation)
     return noise

@@ -38,6 +38,16 @@ from pipeline.physics.worn_play import WornPlay
 
 BEND, BENDING = "bend", LensDistortion("second")
 SHEATH_FORCES = tuple(SheathForce(f) for f in ("near", "far", "near falling", "far falling"))
+PRESSED = tuple(
+    CoulombFriction(form)
+    for form in (
+        "smoothed sprung",
+        "bristle bent",
+        "loaded",
+        "spread loaded",
+        "bristle bent loaded",
+    )
+)
 SPRUNG, LATE, WORN = ViscousFriction("sprung"), ForceLag(), WornPlay()
 
 
@@ -137,7 +147,7 @@ def richer(term: Term) -> tuple[Term, ...]:
 def term(name: str, form: str = "", other_commands: Iterable[str] = ()) -> Term:
     """The term of a name (and form); TermError names those that exist."""
     found = with_richer((*terms(other_commands), *force_terms()))
-    found += (*SHEATH_FORCES, SPRUNG, LATE, WORN)
+    found += (*SHEATH_FORCES, *PRESSED, SPRUNG, LATE, WORN)
     same = [t for t in found if t.name == name and form in ("", t.form)]
     if same:
         return next((t for t in same if t.form == form), same[0])

@@ -1,22 +1,30 @@
 """Coulomb friction: a force against the motion, whatever its speed."""
 
+from itertools import product
 from typing import ClassVar
 
 import numpy as np
 
 from pipeline.number_words import worded
-from pipeline.physics.force_term import ASYMMETRY, ForceTerm, both_ways, resistance
+from pipeline.physics.bent_bristle import bending
+from pipeline.physics.force_term import ASYMMETRY, ForceTerm, both_ways, per, resistance
 from pipeline.physics.motion import Kinetics, Motion
-from pipeline.physics.pre_sliding import dragging, sliding, weighted
+from pipeline.physics.pre_sliding import FINELY, WIDEST, dragging, sliding, weighted
+from pipeline.physics.sprung_sliding import giving_way
 from pipeline.physics.term import Parameter, Surroundings
 
 LEAST_REACH = 1e-6
 REACHES = (5e-6, 5e-5, 3e-4, 2e-3, 0.01, 0.03, 0.1, 0.3)
 ONSETS = (1e-3, 4e-3, 0.015, 0.06)
-SHAPES = {
-    "spread": Parameter("spread", "", 0.0, 1.0, 0.7, 0.0),
-    "bristle": Parameter("release", "", 0.0, 1.0, 0.7, 0.0),
-}
+SHAPES = (
+    Parameter("spread", "", 0.0, WIDEST, 0.7, 0.0),
+    Parameter("release", "", 0.0, 1.0, 0.7, 0.0),
+    Parameter("curve", "", 0.3, 5.0, 1.5, 0.0),
+)
+SHAPE_OF = {"spread": "spread", "bristle": "release", "bent": "curve"}
+CURVES = (0.5, 1.0, 2.0)
+MIDDLES = (0.0, 0.5, 1.0)
+GROWN = (-0.5, 0.5)
 
 
 def reach_of(around: Surroundings) -> Parameter:
@@ -33,16 +41,30 @@ def onset_of(around: Surroundings) -> Parameter:
                      relative=True)  # fmt: skip
 
 
+def load_of(around: Surroundings) -> tuple[Parameter, Parameter]:
+    """How much more a contact is pressed by the way from where it is pressed as told."""
+    span, per_way = max(around.drive_span, 1e-12), per(around, 0)
+    most = 4.0 * around.angle_span / span
+    return (
+        Parameter("growth", per_way, -most, most, 0.0, 0.2 * around.angle_span / span),
+        Parameter("middle", around.drive_unit, around.drive_low, around.drive_low + span,
+                  around.drive_low + 0.5 * span, 0.0),
+    )  # fmt: skip
+
+
 class CoulombFriction(ForceTerm):
     """F = force * z, where z goes from -1 to 1 over the pre-sliding travel (`pre_sliding.py`).
 
     Forms: "" turns round about as Dahl's curve does (spread 1); "asymmetric" with force (1 +
     asymmetry) rising and (1 - asymmetry) falling; "spread" with the shape of the turn free;
-    "bristle" is one that Dahl, or Bouc and Wen, let go (see `bristled`); "asymmetric spread" and
-    "asymmetric bristle" with both. In "smoothed" and "smoothed asymmetric" z = tanh(v / onset): no
-    pre-sliding, but resistance that grows with the speed until it is full. Source: Coulomb (1785);
-    Dahl, AIAA J. 14 (1976) 1675, and `pre_sliding.py`; Andersson, Soderberg and Bjorklund, Tribol.
-    Int. 40 (2007) 580 (smoothed).
+    "bristle" is one that Dahl, or Bouc and Wen, let go (see `bristled`), "bristle bent" with the
+    exponent of either (see `bending`). In "smoothed" z = tanh(v / onset): no pre-sliding, but
+    resistance that grows with the speed until it is full; "smoothed sprung" is that behind a spring
+    (see `giving_way`). In the "loaded" forms force + growth |x - middle| takes the place of force,
+    as where a wedge or a spring presses the contact; with its middle at an end of the way it grows,
+    or falls, all along. Each of them also "asymmetric". Source: Coulomb (1785); Dahl, AIAA J. 14
+    (1976) 1675, and `pre_sliding.py`; Andersson, Soderberg and Bjorklund, Tribol. Int. 40 (2007)
+    580 (smoothed); Nims, Richter and Bachman, Earthq. Spectra 9 (1993) 467 (loaded).
     """
 
     name = "coulomb_friction"
@@ -52,45 +74,107 @@ class CoulombFriction(ForceTerm):
     grows: ClassVar = {
         "": ("asymmetric", "spread", "bristle", "smoothed"),
         "smoothed": ("smoothed asymmetric",),
+        "smoothed sprung": ("asymmetric smoothed sprung",),
         "asymmetric": ("asymmetric spread", "asymmetric bristle"),
         "bristle": ("asymmetric bristle", "spread"),
         "asymmetric spread": ("asymmetric bristle",),
         "spread": ("asymmetric spread", "bristle"),
+        "bristle bent": ("asymmetric bristle bent", "bristle bent loaded"),
+        "bristle bent loaded": ("asymmetric bristle bent loaded",),
+        "loaded": ("asymmetric loaded", "spread loaded"),
+        "spread loaded": ("asymmetric spread loaded",),
     }
     means = "a force against the motion, whatever its speed"
     says = "Dry friction holds back by {force} at any speed, and turns round over {reach}."
 
+    def __init__(self, form: str = "") -> None:
+        self.form = form
+        words = form.split()
+        own = ("onset", "reach") if "sprung" in words else ("onset",)
+        shapes = [name for word, name in SHAPE_OF.items() if word in words]
+        self._names = (
+            "force",
+            *(own if "smoothed" in words else ("reach",)),
+            *(("asymmetry",) if "asymmetric" in words else ()),
+            *shapes,
+            *(("growth", "middle") if "loaded" in words else ()),
+        )
+
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
-        turn = onset_of(around) if "smoothed" in self.form else reach_of(around)
-        own = (resistance("force", around.angle_unit, 2.0 * around.angle_span, around), turn)
-        asymmetry = (ASYMMETRY,) if "asymmetric" in self.form else ()
-        shape = [SHAPES[word] for word in self.form.split() if word in SHAPES]
-        return (*own, *asymmetry, *shape)
+        force = resistance("force", around.angle_unit, 2.0 * around.angle_span, around)
+        every = (force, onset_of(around), reach_of(around), ASYMMETRY, *SHAPES, *load_of(around))
+        return tuple(p for p in every if p.name in self._names)
+
+    def sizes(self, values: np.ndarray) -> dict[str, float]:
+        """Its parameters by name, none of asymmetry and growth where it has none."""
+        named = dict(zip(self._names, (float(v) for v in values), strict=True))
+        return {"asymmetry": 0.0, "growth": 0.0, "middle": 0.0, **named}
 
     def force(
         self, motion: Motion, kinetics: Kinetics, values: np.ndarray, state: np.ndarray | None
     ) -> tuple[np.ndarray, np.ndarray | None]:
-        asymmetry = float(values[2]) if "asymmetric" in self.form else 0.0
-        if "smoothed" in self.form:
-            return values[0] * weighted(np.tanh(kinetics.velocity / values[1]), asymmetry), None
+        own = self.sizes(values)
+        if self.form in ("smoothed", "smoothed asymmetric"):
+            share = np.tanh(kinetics.velocity / own["onset"])
+            return own["force"] * weighted(share, own["asymmetry"]), None
+        if "sprung" in self.form:
+            share, state = giving_way(
+                kinetics.velocity, motion.time_s, own["onset"], own["reach"], state
+            )
+            return own["force"] * weighted(share, own["asymmetry"]), state
+        share, state = self.turning(motion.way[0], own, state)
+        share = weighted(share[motion.way[1]], own["asymmetry"])
+        pressed = own["force"] + own["growth"] * np.abs(motion.drive - own["middle"])
+        return np.maximum(pressed, 0.0) * share, state
+
+    def turning(
+        self, way: np.ndarray, own: dict[str, float], state: np.ndarray | None
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """The share of the friction that acts all along a way (m,), and the state to carry."""
+        if "bent" in self.form:
+            return bending(way, own["reach"], own["release"], own["curve"], state)
         if "bristle" in self.form:
-            share, state = dragging(motion.drive, float(values[1]), float(values[-1]), state)
-        else:
-            spread = float(values[-1]) if "spread" in self.form else 1.0
-            share, state = sliding(motion.drive, float(values[1]), spread, state)
-        return values[0] * weighted(share, asymmetry), state
+            return dragging(way, own["reach"], own["release"], state)
+        return sliding(way, own["reach"], own.get("spread", 1.0), state, FINELY)
+
+    def scaled(self, values: np.ndarray, factor: float) -> np.ndarray:
+        out = super().scaled(values, factor)
+        if "growth" in self._names:
+            out[self._names.index("growth")] *= factor
+        return out
+
+    def void(self, values: np.ndarray) -> bool:
+        own = self.sizes(values)
+        return own["force"] == 0.0 and own["growth"] == 0.0
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
-        own = [p.start for p in self.parameters(around)]
-        turns = [r * around.drive_span for r in REACHES]
-        if "smoothed" in self.form:
-            turns = [o * max(around.top_speed, 1e-12) for o in ONSETS]
-        return np.array([[own[0], turn, *own[2:]] for turn in turns])
+        start = {p.name: p.start for p in self.parameters(around)}
+        top, span = max(around.top_speed, 1e-12), max(around.drive_span, 1e-12)
+        grids = {
+            "onset": top * np.array(ONSETS),
+            "reach": around.drive_span * np.array(REACHES),
+            "curve": np.array(CURVES),
+            "growth": start["force"] / span * np.array(GROWN),
+            "middle": around.drive_low + around.drive_span * np.array(MIDDLES),
+        }
+        axes = [grids[name] if name in grids else [start[name]] for name in self._names]
+        return np.array(list(product(*axes)))
 
     def sentence(self, values: np.ndarray, around: Surroundings) -> str:
-        asymmetry = float(values[2]) if "asymmetric" in self.form else 0.0
-        ways = both_ways(float(values[0]), asymmetry, around.angle_unit)
-        reach = f"{worded(values[1])} {around.drive_unit}"
-        if "smoothed" in self.form:
-            return f"Dry friction holds back by {ways} at any speed beyond about {reach}/s."
-        return f"Dry friction holds back by {ways} at any speed, and turns round over {reach}."
+        own, unit = self.sizes(values), around.drive_unit
+        ways = both_ways(own["force"], own["asymmetry"], around.angle_unit)
+        if "onset" in own:
+            told = f"Dry friction holds back by {ways} at any speed beyond about "
+            told += f"{worded(own['onset'])} {unit}/s"
+            if "reach" in own:
+                told += f", and gives by {worded(own['reach'])} {unit} before it slides"
+            return f"{told}."
+        turns = f"turns round over {worded(own['reach'])} {unit}"
+        if own["growth"] == 0.0:
+            return f"Dry friction holds back by {ways} at any speed, and {turns}."
+        grown = "more" if own["growth"] > 0.0 else "less"
+        return (
+            f"Dry friction holds back by {ways} at {worded(own['middle'])} {unit}, by "
+            f"{worded(abs(own['growth']))} {per(around, 0)} {grown} away from there, at any speed, "
+            f"and {turns}."
+        )

@@ -12,7 +12,7 @@ from pipeline.physics.force_units import (
     position_behind,
     position_unit,
 )
-from pipeline.physics.motion import Kinetics, Motion
+from pipeline.physics.motion import Kinetics, Motion, turned_between
 from pipeline.recording import Recording
 
 
@@ -62,7 +62,12 @@ def force_motion(
         time_s=time_s,
         cycle=recording.values("cycle").astype(np.int64),
         radian=RADIAN.get(position_unit(unit), 1.0),
-        kinetics=Kinetics(found.velocity, found.acceleration, _whole(simulated)),
+        kinetics=Kinetics(
+            found.velocity,
+            found.acceleration,
+            _whole(simulated),
+            turned_between(time_s, found.position, found.velocity),
+        ),
     )
     return motion, found
 

@@ -14,16 +14,41 @@ class Kinetics:
     """What a force against motion goes by, each (n,).
 
     velocity [drive unit/s], acceleration [drive unit/s^2]. simulated: the force that the
-    simulation says already [measurement's unit].
+    simulation says already [measurement's unit]. turned: where the drive turned round on its way
+    from the sample before, the drive's own value where it did not; empty where none is known.
     """
 
     velocity: np.ndarray
     acceleration: np.ndarray
     simulated: np.ndarray
+    turned: np.ndarray = field(default_factory=lambda: np.zeros(0))
 
     def rows(self, part: slice | np.ndarray) -> "Kinetics":
         """The same for some of the samples."""
-        return Kinetics(self.velocity[part], self.acceleration[part], self.simulated[part])
+        turned = self.turned[part] if len(self.turned) else self.turned
+        return Kinetics(self.velocity[part], self.acceleration[part], self.simulated[part], turned)
+
+
+def turned_between(time_s: np.ndarray, drive: np.ndarray, velocity: np.ndarray) -> np.ndarray:
+    """Where a drive turned round between two samples, (n,), at the later one; its value elsewhere.
+
+    What remembers travel remembers the very turn: the extreme of the cubic that has both samples'
+    values and velocities (Hermite's).
+    """
+    out = np.array(drive, dtype=float)
+    k = np.flatnonzero(velocity[:-1] * velocity[1:] < 0.0)
+    h, x, to = np.diff(time_s)[k], drive[k], drive[k + 1]
+    v, w = velocity[k] * h, velocity[k + 1] * h
+    cube, square = 2.0 * (x - to) + v + w, 3.0 * (to - x) - 2.0 * v - w
+    root = np.sqrt(np.maximum(square**2 - 3.0 * cube * v, 0.0))
+    below = square + np.where(square >= 0.0, root, -root)
+    firsts = -v / np.where(below == 0.0, np.inf, below)
+    others = -below / np.where(cube == 0.0, np.inf, 3.0 * cube)
+    u = np.where((firsts > 0.0) & (firsts < 1.0), firsts, others)
+    turn = x + u * (v + u * (square + u * cube))
+    there = (u > 0.0) & (u < 1.0) & ((turn - x) * (turn - to) > 0.0)
+    out[k[there] + 1] = turn[there]
+    return out
 
 
 def zero_of(values: np.ndarray) -> float:
@@ -67,10 +92,28 @@ class Motion:
 
         kinetics = self.kinetics
         if kinetics is not None:
-            columns = kinetics.velocity, kinetics.acceleration, kinetics.simulated
-            kinetics = Kinetics(*(before(column) for column in columns))
+            velocity = before(kinetics.velocity)
+            kinetics = Kinetics(
+                velocity,
+                before(kinetics.acceleration),
+                before(kinetics.simulated),
+                turned_between(self.time_s, before(self.drive), velocity),
+            )
         others = {name: before(values) for name, values in self.others.items()}
         return replace(self, drive=before(self.drive), others=others, kinetics=kinetics)
+
+    @cached_property
+    def way(self) -> tuple[np.ndarray, np.ndarray]:
+        """All that the drive went through, (m,), turns between samples too, and where samples are.
+
+        The latter (n,) are places in the former.
+        """
+        rows = np.arange(len(self.drive))
+        if self.kinetics is None or not len(self.kinetics.turned):
+            return np.ascontiguousarray(self.drive), rows
+        extra = self.kinetics.turned != self.drive
+        went = np.insert(self.drive, np.flatnonzero(extra), self.kinetics.turned[extra])
+        return went, rows + np.cumsum(extra)
 
     @cached_property
     def dwell_s(self) -> np.ndarray:

@@ -1,23 +1,29 @@
 """Pre-sliding: how a dry contact turns from one direction of sliding to the other."""
 
+from functools import cache
+
 import numpy as np
 from numba import njit
 
 from pipeline.physics.decay import decayed
 
-ELEMENTS = 8
-QUANTILES = -np.log(1.0 - (np.arange(ELEMENTS) + 0.5) / ELEMENTS)
-QUANTILES /= QUANTILES.mean()
-
-
+ELEMENTS, FINELY = 8, 32
 WIDEST = 2.5
 
 
-def reaches_of(reach: float, spread: float) -> np.ndarray:
-    """Reaches of the slip elements, (ELEMENTS,), with the mean `reach`."""
+@cache
+def _quantiles(elements: int) -> np.ndarray:
+    """Of an exponential distribution with mean 1, (elements,)."""
+    found = -np.log(1.0 - (np.arange(elements) + 0.5) / elements)
+    return np.asarray(found / found.mean())
+
+
+def reaches_of(reach: float, spread: float, elements: int = ELEMENTS) -> np.ndarray:
+    """Reaches of the slip elements, (elements,), with the mean `reach`."""
+    quantiles = _quantiles(elements)
     if spread <= 1.0:
-        return np.asarray(reach * (1.0 - spread + spread * QUANTILES))
-    powers = QUANTILES**spread
+        return np.asarray(reach * (1.0 - spread + spread * quantiles))
+    powers = quantiles**spread
     return np.asarray(reach * powers / powers.mean())
 
 
@@ -36,7 +42,11 @@ def _slipped(position, at, reaches, state):  # type: ignore[no-untyped-def]
 
 
 def sliding(
-    position: np.ndarray, reach: float, spread: float, state: np.ndarray | None
+    position: np.ndarray,
+    reach: float,
+    spread: float,
+    state: np.ndarray | None,
+    elements: int = ELEMENTS,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Share of the sliding friction that acts, (n,) from -1 to 1, and the state to carry.
 
@@ -46,8 +56,8 @@ def sliding(
     unstressed. Source: Iwan, J. Appl. Mech. 33 (1966) 893; Al-Bender, Lampaert and Swevers, IEEE
     Trans. Autom. Control 50 (2005) 1883 (generalized Maxwell-slip).
     """
-    reaches = reaches_of(reach, spread)
-    carried = np.zeros(ELEMENTS) if state is None else state[1:].copy()
+    reaches = reaches_of(reach, spread, elements)
+    carried = np.zeros(elements) if state is None else state[1:].copy()
     at = float(position[0]) if state is None else float(state[0])
     out = _slipped(np.ascontiguousarray(position), at, reaches, carried)
     return out, np.concatenate([position[-1:], carried])

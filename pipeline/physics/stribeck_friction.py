@@ -48,9 +48,12 @@ class StribeckFriction(ForceTerm):
         fallen = np.exp(-((kinetics.velocity / values[1]) ** 2))
         if self.form == "smoothed":
             return values[0] * np.tanh(kinetics.velocity / values[2]) * fallen, None
-        share, state = lagging(motion.drive, fallen, float(values[2]), state)
+        way, rows = motion.way
+        slow = np.ones(len(way))
+        slow[rows] = fallen
+        share, state = lagging(way, slow, float(values[2]), state)
         asymmetry = float(values[3]) if len(values) > 3 else 0.0
-        return values[0] * weighted(share, asymmetry), state
+        return values[0] * weighted(share[rows], asymmetry), state
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
         own = [p.start for p in self.parameters(around)]

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from pipeline.config import DiagnosisConfig, SimulationConfig
+from pipeline.recording import Channel, Recording
 from pipeline.stages.diagnosis import diagnose
 from pipeline.stages.simulation import simulate
 from tests.discrepancy.test_force import RATE, dahl, motion, parameters, recording
@@ -71,3 +72,67 @@ def test_what_wanders_slowly_hides_no_friction():
     found = diagnosed(x, force, rng)
     sizes = {"viscous_friction.damping": 40.0, "coulomb_friction.force": 10.0}
     assert_told(found, {"viscous_friction", "coulomb_friction", "drift"}, sizes)
+
+
+def test_friction_that_gives_before_it_slides_is_one_name():
+    """A magnetorheological damper: a spring before a slider that resists by its speed."""
+    t, x, rng = motion(31)
+    v, share, force = np.gradient(x, t), 0.0, np.zeros(len(x))
+    for k in range(len(x)):
+        for _ in range(40):
+            held = np.arctanh(np.clip(share, -1 + 1e-12, 1 - 1e-12))
+            share += (v[k] - 0.02 * held) / 1e-3 / (40 * RATE)
+        force[k] = 40.0 * share
+    found = diagnosed(x, force, rng)
+    sizes = {"coulomb_friction.force": 40.0, "coulomb_friction.onset": 0.02}
+    assert_told(found, {"coulomb_friction"}, sizes)
+    (said,) = [p.says for p in found.physics]
+    assert "before it slides" in said
+
+
+def test_friction_that_a_wedge_presses_is_one_name():
+    t, x, rng = motion(32)
+    force = (20.0 + 600.0 * np.abs(x)) * dahl(t, x, 1.0, 1e-3) + 400.0 * x
+    found = diagnosed(x, force, rng)
+    sizes = {"coulomb_friction.force": 20.0, "coulomb_friction.growth": 600.0}
+    assert_told(found, {"coulomb_friction", "stiffness"}, sizes)
+
+
+def test_friction_that_lets_go_by_its_own_exponent_is_one_name():
+    _, x, rng = motion(33)
+    share, force = 0.0, np.zeros(len(x))
+    for k in range(1, len(x)):
+        for _ in range(40):
+            dx = (x[k] - x[k - 1]) / 40
+            share += dx / 1e-3 * (1.0 - np.sign(dx) * share) ** 2
+        force[k] = 40.0 * share
+    found = diagnosed(x, force, rng)
+    assert_told(found, {"coulomb_friction"}, {"coulomb_friction.force": 40.0})
+    assert parameters(found)["coulomb_friction.curve"].value == pytest.approx(0.5, rel=0.1)
+
+
+def test_what_a_force_leaves_again_and_again_is_no_noise():
+    """A law of no term's form: tanh of the speed and of the side of zero together."""
+    _, x, rng = motion(34)
+    x = np.tile(x, 3)
+    t = np.arange(len(x)) / RATE
+    v = np.gradient(x, t)
+    found = diagnosed(x, 60.0 * np.tanh(v / 0.03 + 0.7 * np.tanh(1000.0 * x)), rng)
+    assert found.verdict == "partly_explained"
+    assert found.noise < 0.6 * found.after.train_rmse
+    plain = diagnosed(x, dahl(t, x, 20.0, 4e-4) + 60.0 * v, rng)
+    assert plain.verdict == "explained"
+    assert plain.noise == pytest.approx(NOISE, rel=0.1)
+
+
+def test_a_damper_that_the_simulation_has_too_much_of_is_no_gain():
+    t, x, rng = motion(35)
+    v = np.gradient(x, t)
+    seen = recording(x, dahl(t, x, 20.0, 4e-4) + 300.0 * x + rng.normal(0.0, NOISE, len(x)))
+    channels = (*seen.channels, Channel("force_sim_n", "simulation", "N", of="force_n"))
+    table = seen.samples.assign(force_sim_n=40.0 * v)
+    (found,) = diagnose(DiagnosisConfig(), Recording(table, channels, "simulated")).diagnoses
+    assert {p.name for p in found.physics} == {"coulomb_friction", "stiffness", "viscous_friction"}
+    damping = parameters(found)["viscous_friction.damping"]
+    assert damping.value == pytest.approx(-40.0, rel=0.1)
+    assert found.calibration.gain == pytest.approx(1.0, abs=0.1)

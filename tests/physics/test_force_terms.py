@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pipeline.physics.catalogue import LATE, SPRUNG, force_terms, richer, term
+from pipeline.physics.catalogue import LATE, PRESSED, SPRUNG, force_terms, richer, term
 from pipeline.physics.differentiation import differentiate
 from pipeline.physics.mechanism import Mechanism, Piece
-from pipeline.physics.motion import Kinetics, Motion
+from pipeline.physics.motion import Kinetics, Motion, turned_between
 from pipeline.physics.term import Surroundings, TermError, values_of
 
 AROUND = Surroundings(
@@ -16,7 +16,7 @@ AROUND = Surroundings(
     end_s=4.0, cycles=4, drive_unit="m", angle_unit="N", top_speed=0.6, top_acceleration=4.0,
 )  # fmt: skip
 OWN = [t for first in force_terms() for t in (first, *richer(first)) if t.site == "body" and t.adds]
-OWN += (SPRUNG, LATE)
+OWN += (SPRUNG, LATE, *PRESSED)
 
 
 def swing(amplitude=0.1, seconds=4.0):
@@ -136,6 +136,75 @@ def test_smoothed_friction_knows_the_speed_alone():
         4.0 * np.tanh(v / 0.02) * np.exp(-((v / 0.1) ** 2)),
         atol=1e-9,
     )
+
+
+def test_friction_behind_a_spring_slides_as_its_slip_law_says():
+    """F = force tanh(slip / onset), the spring's stretch and the slip together the motion."""
+    m = swing()
+    onset, reach, step_s = 0.05, 0.01, 1e-3 / 50
+    share, held = 0.0, np.zeros(len(m))
+    for k in range(1, len(m)):
+        for part in (np.arange(50) + 0.5) / 50:
+            v = m.kinetics.velocity[k - 1] * (1.0 - part) + m.kinetics.velocity[k] * part
+            share += (
+                (v - onset * np.arctanh(min(max(share, -1 + 1e-12), 1 - 1e-12))) * step_s / reach
+            )
+        held[k] = share
+    told = answer("coulomb_friction", "smoothed sprung", [10.0, onset, reach], m)
+    np.testing.assert_allclose(told, 10.0 * held, atol=0.1)
+    stiff = answer("coulomb_friction", "smoothed sprung", [10.0, onset, 1e-6], m)
+    plain = 10.0 * np.tanh(m.kinetics.velocity / onset)
+    np.testing.assert_allclose(stiff[1:], plain[1:], atol=0.1)
+
+
+@pytest.mark.parametrize("curve", [0.4, 1.0, 3.0])
+def test_a_bent_bristle_gives_way_by_its_exponent(curve):
+    m, reach, release = swing(), 0.02, 0.6
+    share, held = 0.0, np.zeros(len(m))
+    for k in range(1, len(m)):
+        for _ in range(50):
+            dx = (m.drive[k] - m.drive[k - 1]) / 50
+            own = np.sign(dx) * share
+            if own >= 0.0:
+                rate = 1.0 - own**curve if curve > 1.0 else (1.0 - own) ** (1.0 / curve)
+            else:
+                power = (1.0, curve) if curve > 1.0 else (1.0 / curve, 1.0)
+                rate = (1.0 + release * (-own) ** power[1]) ** power[0]
+            share += dx / reach * rate
+        held[k] = share
+    told = answer("coulomb_friction", "bristle bent", [10.0, reach, release, curve], m)
+    np.testing.assert_allclose(told, 10.0 * held, atol=0.15)
+
+
+def test_a_wedge_presses_the_contact_by_the_way():
+    m = swing()
+    plain = answer("coulomb_friction", "spread", [1.0, 0.01, 0.5], m)
+    told = answer("coulomb_friction", "spread loaded", [10.0, 0.01, 0.5, 40.0, 0.02], m)
+    np.testing.assert_allclose(told, (10.0 + 40.0 * np.abs(m.drive - 0.02)) * plain, atol=1e-9)
+    eased = answer("coulomb_friction", "loaded", [1.0, 0.01, -40.0, 0.0], m)
+    assert np.all(eased[np.abs(m.drive) > 0.03] == 0.0)  # nothing pulls what it holds no more
+
+
+def test_a_turn_between_two_samples_is_remembered():
+    t = np.arange(200) / 40.0
+    x, v = np.sin(2 * np.pi * t + 0.39), 2 * np.pi * np.cos(2 * np.pi * t + 0.39)
+    turned = turned_between(t, x, v)
+    between = turned != x
+    assert between.sum() == 10
+    np.testing.assert_allclose(np.abs(turned[between]), 1.0, atol=1e-4)
+    kinetics = Kinetics(v, -4 * np.pi**2 * x, 0.0 * x, turned)
+    cycle = np.zeros(len(t), dtype=int)
+    fine_t = np.arange(200 * 50) / 2000.0
+    fine = Motion(
+        np.sin(2 * np.pi * fine_t + 0.39), fine_t, np.zeros(len(fine_t), dtype=int),
+        kinetics=Kinetics(0.0 * fine_t, 0.0 * fine_t, 0.0 * fine_t),
+    )  # fmt: skip
+    friction = [Piece(term("coulomb_friction", "spread"), np.array([10.0, 0.05, 0.0]))]
+    true = Mechanism(pieces=friction).respond(fine)[0][::50]
+    told = Mechanism(pieces=friction).respond(Motion(x, t, cycle, kinetics=kinetics))[0]
+    bare = replace(kinetics, turned=np.zeros(0), simulated=0.0 * x)
+    missed = Mechanism(pieces=friction).respond(Motion(x, t, cycle, kinetics=bare))[0]
+    assert np.max(np.abs(told - true)) < 0.1 < 0.4 < np.max(np.abs(missed - true))
 
 
 def test_stribeck_is_gone_at_speed_and_whole_at_rest():

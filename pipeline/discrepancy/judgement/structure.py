@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pipeline.discrepancy.judgement.alike import NOTHING, Alike, alike
 from pipeline.discrepancy.judgement.force_rest import (
     after_reversals,
     left_by,
@@ -23,6 +24,7 @@ CHANCE = 1e-5
 SMALLEST_SIZE, REPEATED = 0.2, 0.5
 SLOW_CORRELATION = 0.87
 LOUD, ROUNDED = 0.1, 1.1
+LEAST_ALIKE, AGAIN = 0.2, "what comes again where the motion does"
 JERKY, JERKS = 4.4, "jerks, each time elsewhere: it sticks and slips"
 
 
@@ -31,6 +33,7 @@ class Structure:
     """Whether a residual is more than noise, where it shows, its share and how likely by chance.
 
     wandering: how the noise and the structure together wander, where that was looked at.
+    alike: how much of a force's residual comes again where its motion does.
     """
 
     found: bool
@@ -38,6 +41,7 @@ class Structure:
     share: float
     p_value: float
     wandering: NoiseModel | None = None
+    alike: Alike = NOTHING
 
 
 @dataclass(frozen=True)
@@ -54,12 +58,14 @@ def structure_of(explanation: Explanation, choice: Choice) -> Structure:
 
     It shows in flexible curves of what was commanded that chance does not explain (likelihood
     ratio, Bonferroni over the families of curves), in noise that varies as slowly as physics does,
-    in what cycles have in common at each step, in noise with two humps, in a hum, or in jerks. What
-    is surely there but much smaller than the noise is the form of a term, no physics.
+    in what cycles have in common at each step, in noise with two humps, in a hum, in jerks, or, of
+    a force, in what comes again where the motion does. What is surely there but much smaller than
+    the noise is the form of a term, no physics.
     """
     if rounded(explanation, choice):
         return Structure(False, None, 0.0, 1.0)
     rests = structured_rest(choice, explanation.search.family)
+    again = NOTHING if explanation.problem.derivatives is None else alike(choice)
     sign = (
         of_curves(rests, choice)
         or slowness(explanation, choice)
@@ -67,12 +73,13 @@ def structure_of(explanation: Explanation, choice: Choice) -> Structure:
         or two_zeros(choice)
         or humming(explanation, choice)
         or jerking(explanation, choice)
+        or coming_again(again, choice)
     )
     by_chance = min(min((r.p_value for r in rests), default=1.0) * len(rests), 1.0)
     if sign is None:
-        return Structure(False, None, 0.0, by_chance)
+        return Structure(False, None, 0.0, by_chance, alike=again)
     share = min(sign.size**2 / mismatch_variance(explanation), 1.0)
-    return Structure(True, sign.where, share, min(sign.p_value, by_chance))
+    return Structure(True, sign.where, share, min(sign.p_value, by_chance), alike=again)
 
 
 def rounded(explanation: Explanation, choice: Choice) -> bool:
@@ -128,6 +135,13 @@ def of_force(choice: Choice) -> Sign | None:
         return None
     where = "slow changes" if slow else "after reversals"
     return Sign(where, float(np.sqrt(mean_square(left_by(choice)))), CHANCE)
+
+
+def coming_again(again: Alike, choice: Choice) -> Sign | None:
+    """What of a force's residual surely comes again where its motion does, if it is not small."""
+    if not (again.sure and again.share > LEAST_ALIKE):
+        return None
+    return Sign(AGAIN, float(np.sqrt(again.share * mean_square(left_by(choice)))), CHANCE)
 
 
 def of_repeats(explanation: Explanation, choice: Choice) -> Sign | None:

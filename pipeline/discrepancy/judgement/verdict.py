@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from pipeline.discrepancy.fitting.calibration import FAR_OFF
+from pipeline.discrepancy.fitting.charge import absurd_calibration
 from pipeline.discrepancy.fitting.fit import evaluate, improve
 from pipeline.discrepancy.judgement.rest import structured_rest
 from pipeline.discrepancy.judgement.structure import mismatch_variance, structure_of
@@ -111,14 +112,18 @@ def weightier(explanation: Explanation, choice: Choice, structured: float) -> Ch
     """Only terms that explain more than all of them together leave, or than is structured of that.
 
     What explains less may merely mop up the rest, and so may what moves the zero if it explains
-    less than all that is left. The one that explains least goes first.
+    less than all that is left. The one that explains least goes first, but of a force
+    none whose place an absurd gain of the simulation would take.
     """
     left, without = mean_square(explanation, choice), []
+    of_force = explanation.problem.derivatives is not None
     for piece in choice.fit.pieces:
         rest = [p for p in choice.fit.pieces if p is not piece]
         fit = improve(evaluate(choice.fit.ground, rest))
         needed = left if piece.term.slow else min(left, structured)
         explained = mean_square(explanation, replace(choice, fit=fit)) - left
+        if of_force and absurd_calibration(fit) and not absurd_calibration(choice.fit):
+            explained = np.inf
         without.append((explained / max(needed, 1e-300), fit))
     least, fit = min(without, key=lambda w: w[0], default=(np.inf, choice.fit))
     if least >= 1.0:

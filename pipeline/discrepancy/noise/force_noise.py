@@ -69,7 +69,8 @@ def _law(problem: Problem, kinetics: Kinetics) -> np.ndarray:
     a = kinetics.acceleration
     blocks = problem.averaged or Averaged(problem.motion, 1)
     reaches = np.array(REACHES) * around.drive_span
-    banks = [sliding(blocks.motion.drive, r, 1.0, None)[0] for r in reaches]
+    way, rows = blocks.motion.way
+    banks = [sliding(way, r, 1.0, None)[0][rows] for r in reaches]
     own = [np.ones_like(x), x, x**2, x**3, v, v * np.abs(v), v**3, a, np.abs(a)]
     sided = [blocks.mean(z) for bank in banks for z in (bank, np.abs(bank))]
     t = problem.motion.time_s

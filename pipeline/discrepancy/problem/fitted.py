@@ -12,6 +12,7 @@ ORTHOGONAL = 0.02
 CUBIC = 2
 LOOSE_GAIN = 3.0
 LEAST_JUMP, RIGID = 1e-3, 0.9
+MOVING, TOP = 0.05, 0.99
 LEAST_RESISTING = 1e-3
 
 
@@ -69,13 +70,17 @@ def tolerance_of_rigid(declared: ToleranceConfig, motion: Motion) -> ToleranceCo
 
     Dry friction that turns round gradually takes the place of one that jumps; it is no addition.
     The simulation jumps where the direction tells RIGID of what is left of it beside powers of
-    position, velocity and acceleration.
+    position, velocity and acceleration, away from standstill, where noise turns the direction.
     """
     kinetics = motion.kinetics
     assert kinetics is not None
-    simulated, v = kinetics.simulated, kinetics.velocity
-    x = motion.drive - motion.drive.mean()
-    law = np.column_stack([np.ones(len(x)), x, x**3, v, v * np.abs(v), kinetics.acceleration])
+    fast = np.abs(kinetics.velocity) > MOVING * np.quantile(np.abs(kinetics.velocity), TOP)
+    simulated, v = kinetics.simulated[fast], kinetics.velocity[fast]
+    if not len(v):
+        return declared
+    x = motion.drive[fast] - motion.drive.mean()
+    acceleration = kinetics.acceleration[fast]
+    law = np.column_stack([np.ones(len(x)), x, x**3, v, v * np.abs(v), acceleration])
     whole = float(np.var(simulated))
     smooth = variance_left(simulated, law)
     jumping = variance_left(simulated, np.column_stack([law, np.sign(v)]))

@@ -38,6 +38,7 @@ from pipeline.discrepancy.search.disguise import with_plain
 from pipeline.discrepancy.search.excited import excited_terms
 from pipeline.discrepancy.search.foretold import foretelling
 from pipeline.discrepancy.search.polish import polished
+from pipeline.discrepancy.search.pressed import pressed
 from pipeline.discrepancy.search.sprung import sprung
 
 SURELY = 3.0
@@ -117,7 +118,7 @@ def searched(problem: Problem) -> Explanation:
         used = problem.train & settled & ~found
         search = Search(candidates, effects, noise_family(prior, problem, used))
         choices = choose_again(search, ground_of(problem, prior.model, used), choices)
-    told = sprung(search, alone(search, polished(search, choices)))
+    told = pressed(search, sprung(search, alone(search, polished(search, choices))))
     choices = levelled(search, searched_wide(search, choices, told))
     choices = best_of_each([*contested(search, choices), *search.seen.values()])
     if prior.repeats == 0 and problem.derivatives is None:
