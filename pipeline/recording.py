@@ -231,13 +231,21 @@ def file_stem(name: str) -> str:
 
 
 def write_atomically(path: Path, content: str | bytes) -> None:
-    """Put `content` in `path` by way of a synced neighbour file and a rename; text is UTF-8."""
+    """Put `content` in `path` by way of a synced neighbour file and a rename; text is UTF-8.
+
+    An OSError names `path`; a neighbour that a full disk cut short gives its room back.
+    """
     neighbour = path.with_name(f".{path.name}.{os.getpid()}.part")
-    with neighbour.open("wb") as file:
-        file.write(content.encode() if isinstance(content, str) else content)
-        file.flush()
-        os.fsync(file.fileno())
-    neighbour.replace(path)
+    try:
+        with neighbour.open("wb") as file:
+            file.write(content.encode() if isinstance(content, str) else content)
+            file.flush()
+            os.fsync(file.fileno())
+        neighbour.replace(path)
+    except OSError as error:
+        neighbour.unlink(missing_ok=True)
+        error.filename = error.filename or str(path)
+        raise
 
 
 def _read_head(path: Path) -> dict[str, object]:

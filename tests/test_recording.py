@@ -4,6 +4,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+from full_disk import full_at
 
 from pipeline.recording import (
     Channel,
@@ -15,6 +16,7 @@ from pipeline.recording import (
     load_recording,
     reversals_of,
     save_recording,
+    write_atomically,
 )
 
 COMMAND = Channel("pitch_command_deg", "command", "deg")
@@ -358,3 +360,13 @@ def test_every_channel_has_a_file_of_its_own():
     assert stems[:2] == names[:2]
     assert len(set(stems)) == len(names)
     assert all("/" not in s and not s.startswith(".") and len(s) < 100 for s in stems)
+
+
+def test_a_full_disk_is_told_with_the_file_and_gets_its_room_back(tmp_path: Path) -> None:
+    path = tmp_path / "table.csv"
+    write_atomically(path, "old")
+    with full_at(1000), pytest.raises(OSError, match="table.csv") as refused:
+        write_atomically(path, "x" * 5000)
+    assert refused.value.filename == str(path)
+    assert [f.name for f in tmp_path.iterdir()] == ["table.csv"]
+    assert path.read_text() == "old"

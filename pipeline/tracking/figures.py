@@ -5,7 +5,6 @@ always says the same as the colour.
 """
 
 import io
-import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -17,6 +16,8 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
+
+from pipeline.recording import write_atomically
 
 COLOURS = {
     "measured": "#6E6E6E",
@@ -99,9 +100,7 @@ def save_figure(figure: Figure, folder: Path, name: str) -> list[Path]:
     paths = []
     for suffix in ("png", "pdf"):
         path = folder / f"{name}.{suffix}"
-        neighbour = path.with_name(f".{path.name}.{os.getpid()}.part")
-        neighbour.write_bytes(figure_bytes(figure, suffix))
-        neighbour.replace(path)
+        write_atomically(path, figure_bytes(figure, suffix))
         paths.append(path)
         figure.set_layout_engine("none")
     return paths

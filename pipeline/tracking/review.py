@@ -4,7 +4,6 @@ Rerun's interface changes with each release: this is the one file that knows it.
 one time axis that begins with each axis's own first sample, so that one cursor moves them together.
 """
 
-import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
@@ -16,7 +15,7 @@ import pandas as pd
 import rerun as rr
 import rerun.blueprint as rrb
 
-from pipeline.recording import Recording
+from pipeline.recording import Recording, write_atomically
 from pipeline.tracking.thumbnail import small_jpeg
 
 APPLICATION = "loopgap"
@@ -67,9 +66,8 @@ class AxisReview:
     """What is shown of one axis.
 
     recording: with `<axis>_command_deg`, `_angle_deg`, perhaps `_encoder_deg`; markers: a row for
-    each of its samples as `stages.vision` leaves it, or no row at all where no frame was looked
-    at; read_frame: the encoded frame of a row, None where lost;
-    predictions: `stages.evaluation.predict_cycles` of all cycles; loop_png: a picture of the loop.
+    each sample as `stages.vision` leaves it, none at all where no frame was looked at; read_frame:
+    encoded, None where lost; predictions: `stages.evaluation.predict_cycles`; loop_png: a picture.
     """
 
     recording: Recording
@@ -137,19 +135,14 @@ def write_diagnosis_review(
 
 @contextmanager
 def _written(path: Path, layout: rrb.Blueprint) -> Iterator[rr.RecordingStream]:
-    """A stream into a neighbour file that takes the place of `path` once all is in it."""
+    """A stream that is written to `path` once all is in it."""
     rr.set_strict_mode(True)
     stream = rr.RecordingStream(APPLICATION)
-    neighbour = path.with_name(f".{path.stem}.{os.getpid()}.part.rrd")
+    memory = stream.memory_recording()  # rerun's own file sink waits for ever on a full disk
+    stream.send_blueprint(layout)
+    yield stream
     path.parent.mkdir(parents=True, exist_ok=True)
-    try:
-        stream.save(neighbour, default_blueprint=layout)
-        yield stream
-        stream.flush()
-        stream.disconnect()
-        neighbour.replace(path)
-    finally:
-        neighbour.unlink(missing_ok=True)
+    write_atomically(path, memory.drain_as_bytes())
 
 
 def blueprint(signals: Mapping[str, Signals], pictures: Sequence[str]) -> rrb.Blueprint:
@@ -378,8 +371,7 @@ def _log_notes(
 ) -> None:
     """One line for each frame that was set aside, with the reason."""
     reason = markers["reason"].astype(object).fillna("").to_numpy(str)
-    outlier = markers["outlier"].to_numpy(bool)
-    noted = np.flatnonzero(outlier | (reason != ""))
+    noted = np.flatnonzero(markers["outlier"].to_numpy(bool) | (reason != ""))
     if not len(noted):
         return
     texts = [f"{axis}, sample {i}: {reason[i] or 'outlier'}" for i in noted]

@@ -10,6 +10,7 @@ import cv2
 import numpy as np
 import pandas as pd
 import pytest
+from full_disk import full_at
 from play_loop import curve, play, triangle
 from rerun.chunk import RrdReader
 
@@ -206,6 +207,18 @@ def test_a_failed_write_leaves_the_old_file(tmp_path: Path) -> None:
         write_review(tmp_path / "run.rrd", {"yaw": broken}, {}, "")
     assert [p.name for p in tmp_path.iterdir()] == ["run.rrd"]
     assert (tmp_path / "run.rrd").read_bytes() == b"old"
+
+
+@pytest.mark.parametrize("size", [0, 4096, 20_000])
+def test_a_full_disk_leaves_the_old_file_and_is_told_with_its_name(
+    size: int, tmp_path: Path
+) -> None:
+    path = tmp_path / "run.rrd"
+    path.write_bytes(b"old")
+    with full_at(size), pytest.raises(OSError, match="run.rrd"):
+        write_review(path, {"yaw": axis_review("yaw", jpeg())}, {}, "")
+    assert [f.name for f in tmp_path.iterdir()] == ["run.rrd"]
+    assert path.read_bytes() == b"old"
 
 
 def test_the_viewer_shows_frames_and_signals(review: Path, tmp_path: Path) -> None:
