@@ -25,7 +25,6 @@ class Contact(Term):
 
     name = "contact"
     site = "body"
-    sided = True
     unlikely = 2.0
     in_balance = True
     holds = True

@@ -19,7 +19,6 @@ class EndStop(Term):
 
     name = "end_stop"
     site = "body"
-    sided = True
     in_balance = True
     holds = True
     means = "no motion beyond an angle"

@@ -22,7 +22,6 @@ class ForceContact(ForceTerm):
     """
 
     name = "contact"
-    sided = True
     unlikely = 2.0
     says = "Beyond {position} on one side it touches a spring of {stiffness} more."
 

@@ -86,12 +86,12 @@ class SheathForce(ForceTerm):
     def __init__(self, form: str = "near") -> None:
         super().__init__(form)
         self.near = "near" in form
-        self.side = -1.0 if "falling" in form else 1.0
+        self.pulling = -1.0 if "falling" in form else 1.0
         self.says = self.says_of_near if self.near else self.says_of_far  # type: ignore[misc]
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
         span = max(around.drive_span, 1e-12)
-        home = -around.drive_low if self.side > 0.0 else around.drive_low + span
+        home = -around.drive_low if self.pulling > 0.0 else around.drive_low + span
         own: tuple[Parameter, ...] = (Parameter("half", "", 0.0, 2.0, 0.15, 0.1),)
         if self.near:
             own = (
@@ -110,15 +110,15 @@ class SheathForce(ForceTerm):
         self, motion: Motion, kinetics: Kinetics, values: np.ndarray, state: np.ndarray | None
     ) -> tuple[np.ndarray, np.ndarray | None]:
         stiffness, wrap, pretension = float(values[0]), float(values[1]), float(values[-1])
-        way = np.maximum(self.side * motion.drive + pretension, LEAST_PULL)
+        way = np.maximum(self.pulling * motion.drive + pretension, LEAST_PULL)
         at = np.full(PLACES + 1, way[0]) if state is None else state.copy()
         if not self.near:
-            return self.side * stiffness * (far_pulls(way, np.exp(wrap), at) - way), at
+            return self.pulling * stiffness * (far_pulls(way, np.exp(wrap), at) - way), at
         load, where = float(values[2]), float(values[3])
         share = np.append((np.arange(PLACES) + 0.5) / PLACES, 1.0) ** where
         weights = np.append(np.full(PLACES, (1.0 - load) / PLACES), load)
         pull = near_pulls(way, np.exp(-wrap * share), np.exp(wrap * share), weights, at)
-        return self.side * stiffness * (pull - way), at
+        return self.pulling * stiffness * (pull - way), at
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
         stiffness, *_, pretension = self.parameters(around)
@@ -132,7 +132,7 @@ class SheathForce(ForceTerm):
         """Where a length goes in and the force measured has about one sign: a wire only pulls."""
         units = around.drive_unit in LENGTHS and around.angle_unit in FORCES
         low, span = around.angle_low, around.angle_span
-        pulled = low > -PUSHED * span if self.side > 0.0 else low + span < PUSHED * span
+        pulled = low > -PUSHED * span if self.pulling > 0.0 else low + span < PUSHED * span
         return units and pulled and super().excited(motion, around)
 
     def void(self, values: np.ndarray) -> bool:

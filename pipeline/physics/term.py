@@ -116,7 +116,7 @@ class Term:
     slow: whether it moves the zero while all else stays, as noise that wanders does.
     remembers: what of its signal it remembers: the "way" that it went, or for a "time".
     periodic: whether it comes again over the drive; its second parameter is that period.
-    sided: whether its name may stand once for each side.
+    side: 1 or -1 for each side of what may stand on both, once on each; 0 elsewhere.
     group: of its terms only one may stand; "" where that goes by the name.
     beyond: what its form says that the catalogue has no name for; "" where its name says all.
     unlikely: how much less likely than others it is in its form, in -2 log odds.
@@ -144,7 +144,6 @@ class Term:
     group: str = ""
     remembers: ClassVar[Literal["", "way", "time"]] = ""
     periodic: ClassVar[bool] = False
-    sided: ClassVar[bool] = False
     means: ClassVar[str] = ""
     says: ClassVar[str]
     form: str = ""
@@ -157,6 +156,10 @@ class Term:
     def kin(self) -> str:
         """The form that it is much alike: both are one idea in a search."""
         return self.form
+
+    @property
+    def side(self) -> float:
+        return 0.0
 
     def outside(self) -> "Term | None":
         """This term after the balance, its parameters the same; None where there is none."""

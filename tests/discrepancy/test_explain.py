@@ -5,9 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pipeline.discrepancy.fitting.fit import evaluate, improve
+from pipeline.discrepancy.fitting.fit import evaluate, ground_of, improve
+from pipeline.discrepancy.noise.noise import NoiseModel
 from pipeline.discrepancy.problem.outliers import at_commands, returning
-from pipeline.discrepancy.search.choose import choose
+from pipeline.discrepancy.search.choose import allowed, choose
 from pipeline.discrepancy.search.contested import contested, levelled, rival_names
 from pipeline.discrepancy.search.disguise import as_itself, plain_fit, undisguised, with_plain
 from pipeline.discrepancy.search.explain import (
@@ -18,7 +19,7 @@ from pipeline.discrepancy.search.explain import (
 from pipeline.discrepancy.search.moves import loosened, stopped, tautened
 from pipeline.physics.catalogue import term
 from pipeline.physics.mechanism import Piece
-from tests.discrepancy.made import explained, recorded
+from tests.discrepancy.made import NOISE, explained, posed, recorded
 
 
 def test_a_rest_that_repeats_is_no_noise_and_a_search_without_shortcuts_explains_it(monkeypatch):
@@ -267,3 +268,14 @@ def test_what_stands_off_wherever_the_command_is_the_same_is_no_mistake():
 def test_a_drive_that_never_moves_is_at_one_command():
     again = at_commands(np.full(7, 5.0), 0.0)
     assert sorted(again[again >= 0]) == list(range(7))
+
+
+def test_a_name_stands_once_on_each_side():
+    problem = posed(recorded({}))
+    ground = ground_of(problem, NoiseModel(NOISE), problem.train)
+    lower = term("contact", "lower")
+    start = [p.start for p in lower.parameters(problem.around)]
+    fit = evaluate(ground, [Piece(lower, np.array(start))])
+    terms = [term("contact", f) for f in ("upper", "lower", "lower unloading")]
+    beside = allowed([*terms, term("end_stop", "lower")], fit)
+    assert [(t.name, t.form) for t in beside] == [("contact", "upper"), ("end_stop", "lower")]

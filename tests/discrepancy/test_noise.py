@@ -7,6 +7,7 @@ from scipy.stats import multivariate_normal
 from pipeline.discrepancy.noise.family import WALKS, noise_family
 from pipeline.discrepancy.noise.learning import NoisePrior, fit_noise, learn_noise, unmistaken
 from pipeline.discrepancy.noise.noise import NoiseModel
+from pipeline.discrepancy.search.explain import explain, refuted
 from pipeline.recording import Recording
 from tests.discrepancy.made import NOISE, posed, recorded
 
@@ -134,3 +135,17 @@ def test_a_joint_that_comes_to_rest_anew_with_each_move_is_noise():
     noise, _ = family.pick(problem.measured - problem.simulated - 0.4, (0, 0, 0))
     assert noise.settles
     assert (noise.correlated, noise.white) == pytest.approx((0.2, 0.03), rel=0.2)
+
+
+def test_a_slip_before_a_dead_zone_is_no_noise_once_it_is_explained():
+    """Shifted by it, each later cycle differs where the curve bends: by no constant."""
+    slip = 4.0 + 3.36 * (2 * 120 + 40)
+    problem = posed(
+        recorded({"lost_steps": {"jump": 3.0, "time": slip}, "slack": {"width": 14.0}}, cycles=9)
+    )
+    before, found = learn_noise(problem), explain(problem)
+    assert before.model.deviation > 1.1 * NOISE
+    assert before.model.correlated > 0.5 * NOISE
+    assert set(found.choices[0].fit.names) == {"lost_steps", "slack"}
+    assert found.prior.model.deviation == pytest.approx(NOISE, rel=0.05)
+    assert not refuted(found.search, found.choices[0])

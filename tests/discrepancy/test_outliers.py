@@ -1,12 +1,29 @@
 """Frames that are mistaken several in a row: a hand before the camera, a glare that stays."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from pipeline.discrepancy.fitting.fit import ground_of
+from pipeline.discrepancy.judgement.mistaken import after_some_steps
+from pipeline.discrepancy.noise.noise import NoiseModel
 from pipeline.discrepancy.problem.outliers import LONGEST, bursts
-from tests.discrepancy.made import ANGLE, NOISE, STEPS, changed, diagnosed, names, recorded
+from pipeline.physics.kinematics import CubicCurve
+from tests.discrepancy.made import (
+    ANGLE,
+    NOISE,
+    SIMULATED,
+    STEPS,
+    changed,
+    chosen,
+    diagnosed,
+    explanation_of,
+    names,
+    posed,
+    recorded,
+)
 
 RUNS = ((45, 4), (170, 2), (400, 5), (530, 3))
 EVERY = np.ones(600, dtype=bool)
@@ -66,3 +83,20 @@ def test_a_diagnosis_names_frames_that_were_mistaken_in_a_row(
     assert names(found) == {*hidden, "marker_outliers"}
     assert found.diagnoses[0].noise == pytest.approx(NOISE, rel=0.15)
     assert found.diagnoses[0].after.heldout_rmse < 1.15 * NOISE
+
+
+@pytest.mark.parametrize("ringing", [True, False])
+def test_what_stands_off_after_some_steps_only_was_not_mistaken(ringing: bool) -> None:
+    rng, plain = np.random.default_rng(6), recorded({})
+    n = len(plain.samples)
+    steps = rng.choice([1.0, 2.0, 4.0], n, p=[0.6, 0.3, 0.1])
+    command = 55.0 * (2.0 / np.pi) * np.arcsin(np.sin(np.cumsum(steps) / 50.0))
+    off = np.zeros(n)
+    off[rng.choice(np.flatnonzero(steps == 4.0) if ringing else n, 12, replace=False)] = 5.0
+    angle = CubicCurve(0.7, 1e-5)(command)
+    measured = angle + off + NOISE * rng.standard_normal(n)
+    recording = changed(plain, **{"pitch_command_deg": command, SIMULATED: angle, ANGLE: measured})
+    problem = posed(recording)
+    ground = ground_of(problem, NoiseModel(NOISE), problem.train & (off == 0.0))
+    explanation = replace(explanation_of([chosen(ground, 0.0)]), outliers=off > 0.0)
+    assert after_some_steps(explanation) == ringing

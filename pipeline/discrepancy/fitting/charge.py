@@ -23,7 +23,7 @@ def complexity(fit: Fit) -> float:
     charge = 0.0 if absurd_calibration(fit) is None else VOID
     for i, piece in enumerate(fit.pieces):
         charge += VOID if piece.term.void(piece.values) else 0.0
-        again = piece.term.sided and piece.term.name in fit.names[:i]
+        again = piece.term.side != 0.0 and piece.term.name in fit.names[:i]
         own = (SECOND_SIDE if again else TERM_COST) + piece.term.unlikely
         parameters = parameters_of(fit.ground, piece.term)
         charge += own * max(sum(p.moment for p in parameters), 1)

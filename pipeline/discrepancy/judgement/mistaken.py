@@ -3,6 +3,7 @@
 from collections.abc import Container
 
 import numpy as np
+from scipy.stats import ks_2samp
 
 from pipeline.discrepancy.model.intervals import undated
 from pipeline.discrepancy.model.result import Estimate, Evidence, NamedPhysics, root_mean
@@ -15,6 +16,7 @@ from pipeline.physics.catalogue import term
 FEWEST = 3
 CREDIBLE, NEARLY_ALL = 3.0, 0.8
 FAR = 10.0
+BY_CHANCE = 1e-3
 Z, SURELY = 1.96, 0.97
 AGAIN = "In {share:.2g} of the samples the sensor says again what it said in the one before."
 STALE = (
@@ -29,13 +31,13 @@ def mistaken_frames(
     """Frames that are mistaken, or stale where no name taken says so; None where too few are.
 
     unexplained: whether a structured rest is left: of that a few samples stand off as well, but by
-    less than FAR times the noise.
+    less than FAR times the noise, or after steps of other lengths than the rest.
     """
     found = share_and_size(explanation)
     if found is None:
         return None
     noise = explanation.choices[0].fit.ground.noise.deviation
-    if unexplained and found[1].value < FAR * noise:
+    if unexplained and (found[1].value < FAR * noise or after_some_steps(explanation)):
         return None
     name = "frame_lag" if stale(explanation) and "frame_lag" not in taken else "marker_outliers"
     off, heldout = evidence.measured - evidence.after, evidence.heldout
@@ -105,6 +107,17 @@ def incredible(explanation: Explanation) -> np.ndarray:
     rows = problem.train & explanation.outliers & ~undated(fit, problem.motion.time_s)
     off = np.abs(problem.measured - fit.predicted)
     return np.asarray(rows & (off > INCREDIBLE * fit.ground.noise.deviation))
+
+
+def after_some_steps(explanation: Explanation) -> bool:
+    """Whether such rows come after steps of other lengths than the rest (Kolmogorov-Smirnov).
+
+    A camera mistakes a marker whatever step came before; a joint that still rings does not.
+    """
+    problem, rows = explanation.problem, incredible(explanation)
+    drive = problem.motion.drive
+    steps = np.abs(np.diff(drive, prepend=drive[:1]))
+    return bool(ks_2samp(steps[rows], steps[problem.train & ~rows]).pvalue < BY_CHANCE)
 
 
 def stale(explanation: Explanation) -> bool:

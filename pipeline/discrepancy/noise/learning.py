@@ -42,6 +42,11 @@ class NoisePrior:
     stands: tuple[np.ndarray, ...] = ()
     groups: tuple[np.ndarray, ...] = ()
 
+    @property
+    def differing(self) -> float:
+        """Root mean square of the contrasts, which noise and all that does not repeat make."""
+        return float(np.sqrt(np.nanmean(np.concatenate(self.series) ** 2)))
+
     @cached_property
     def _contrasts(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
         return _joined(self.series)
@@ -66,17 +71,19 @@ class NoisePrior:
         return n * float(np.log(max(e @ e, 1e-300) / n)) + 2 * float(np.sum(np.log(gains[used, 3])))
 
 
-def learn_noise(problem: Problem) -> NoisePrior:
+def learn_noise(problem: Problem, expected: np.ndarray | None = None) -> NoisePrior:
     """Noise from contrasts of repeated cycles, or from what is rough where nothing repeats.
 
     A contrast is a sum over repeats whose weights cancel what repeats and what grows linearly
     from repeat to repeat, so that physics of either kind is no noise. Of a force against motion,
     what no flexible law of force leaves out (`force_noise.py`).
+    expected: (n,) what the measurement would be without noise; the simulation, if not told.
     """
     if problem.motion.kinetics is not None:
         model = noise_of_force(problem, problem.motion.kinetics)
         return NoisePrior(model, 0, UNSURE, (), FINEST * problem.around.angle_span)
-    residual = np.where(problem.train, problem.measured - problem.simulated, np.nan)
+    expected = problem.simulated if expected is None else expected
+    residual = np.where(problem.train, problem.measured - expected, np.nan)
     groups = repeated_cycles(problem)
     finest = max(FINEST * problem.around.angle_span, quantum_of(problem.measured) / np.sqrt(12.0))
     found = [

@@ -320,20 +320,18 @@ def by_term(leads: Sequence[Lead]) -> list[list[Lead]]:
 
 
 def allowed(terms: Sequence[Term], fit: Fit) -> list[Term]:
-    """Terms that may stand beside those of a fit: no name twice but for sides, none of a group.
+    """Terms that may stand beside those of a fit: no name twice on a side, none of a group.
 
     Where nothing holds the joint, what acts after the balance is about as in it.
     """
     holding = held(fit)
-    names = {p.term.name for p in fit.pieces}
+    taken = {(p.term.name, p.term.side) for p in fit.pieces}
     groups = {p.term.group for p in fit.pieces}
-    keys = {(p.term.name, p.term.form) for p in fit.pieces}
     return [
         t
         for t in terms
-        if (t.name, t.form) not in keys
-        and (holding or not t.only_held)
-        and (t.group not in groups if t.group else t.sided or t.name not in names)
+        if (holding or not t.only_held)
+        and (t.group not in groups if t.group else (t.name, t.side) not in taken)
     ]
 
 

@@ -95,8 +95,8 @@ def searched(problem: Problem) -> Explanation:
     """The sets of terms that explain a problem's training rows, looked for from nothing.
 
     Outliers are judged on the residual of the best explanation, so that a sharp corner is none;
-    where that changes them, the choice is made anew. Where calibration alone leaves no more than
-    the accuracy that was declared, no terms are looked for.
+    where that changes them, or what is known of the noise, the choice is made anew. Where
+    calibration alone leaves no more than the accuracy that was declared, no terms are looked for.
     """
     prior = learn_noise(problem)
     candidates = excited_terms(problem)
@@ -113,8 +113,9 @@ def searched(problem: Problem) -> Explanation:
         outliers = mistaken_rows(problem, base, prior)
         return Explanation(problem, prior, search, [base], outliers, used)
     choices = choose(search, ground)
+    before, prior = prior, learnt_again(search, choices[0])
     found = mistaken_rows(problem, choices[0], prior)
-    if not np.array_equal(found, outliers):
+    if prior is not before or not np.array_equal(found, outliers):
         used = problem.train & settled & ~found
         search = Search(candidates, effects, noise_family(prior, problem, used))
         choices = choose_again(search, ground_of(problem, prior.model, used), choices)
@@ -146,6 +147,21 @@ def searched_wide(search: Search, begun: list[Choice], found: list[Choice]) -> l
     if abs(again[0].score - min(c.score for c in begun)) > SAME:
         again = polished(wide, again)
     return best_of_each([*found, *again])
+
+
+def learnt_again(search: Search, choice: Choice) -> NoisePrior:
+    """The noise as it was learnt, or from what a choice leaves, if repeats differ by less there.
+
+    A slip or drift before a curve that bends moves each part of the next cycles by another amount.
+    Contrasts of repeats don't cancel that, and speak against the noise of what explains it; those
+    of what it leaves do not.
+    """
+    before, ground = search.family.prior, choice.fit.ground
+    if not (choice.fit.slow and refuted(search, choice)):
+        return before
+    left = learn_noise(ground.problem, choice.fit.predicted)
+    other = replace(search, family=noise_family(left, ground.problem, ground.used))
+    return left if left.differing < before.differing and not refuted(other, choice) else before
 
 
 def refuted(search: Search, choice: Choice) -> bool:
