@@ -39,9 +39,13 @@ class Job:
     sweep: Path | None = None
 
     def note(self, status: str, error: str | None = None) -> None:
-        """Write job.json."""
+        """Write job.json; on a full disk into the room of the old one."""
         entry = {"overrides": self.told(), "number": self.number, "status": status, "error": error}
-        write_atomically(self.folder / JOB_FILE, json.dumps(entry, indent=1))
+        file, text = self.folder / JOB_FILE, json.dumps(entry, indent=1)
+        try:
+            write_atomically(file, text)
+        except OSError:
+            file.write_text(text, encoding="utf-8")
 
     def told(self) -> dict[str, str]:
         """The overrides by their keys."""

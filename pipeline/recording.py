@@ -2,7 +2,6 @@
 
 import hashlib
 import json
-import os
 import re
 from collections import Counter
 from collections.abc import Sequence
@@ -12,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from pipeline.atomically import write_atomically as write_atomically
 from pipeline.errors import RecordingError as RecordingError
 from pipeline.errors import refusal
 from pipeline.leading import leading_command
@@ -228,24 +228,6 @@ def file_stem(name: str) -> str:
     if plain == name and len(name.encode()) <= LONGEST_STEM:
         return name
     return f"{plain[: LONGEST_STEM // 4]}-{hashlib.sha256(name.encode()).hexdigest()[:8]}"
-
-
-def write_atomically(path: Path, content: str | bytes) -> None:
-    """Put `content` in `path` by way of a synced neighbour file and a rename; text is UTF-8.
-
-    An OSError names `path`; a neighbour that a full disk cut short gives its room back.
-    """
-    neighbour = path.with_name(f".{path.name}.{os.getpid()}.part")
-    try:
-        with neighbour.open("wb") as file:
-            file.write(content.encode() if isinstance(content, str) else content)
-            file.flush()
-            os.fsync(file.fileno())
-        neighbour.replace(path)
-    except OSError as error:
-        neighbour.unlink(missing_ok=True)
-        error.filename = error.filename or str(path)
-        raise
 
 
 def _read_head(path: Path) -> dict[str, object]:
