@@ -5,7 +5,7 @@ from collections.abc import Callable
 from operator import attrgetter
 
 from pipeline.config import EXTRA_STAGES, STAGES, Config
-from pipeline.errors import UsageError, refusal
+from pipeline.errors import UsageError, did_you_mean, refusal
 
 CHOICES: dict[str, tuple[str, ...]] = {
     "acquisition.clock": ("simulated", "real"),
@@ -70,4 +70,5 @@ def _check_sizes(
 
 def _refuse(key: str, choices: tuple[str, ...], found: str) -> None:
     expected = "one of " + ", ".join(choices)
-    raise UsageError(refusal(f"configuration, {key}", expected, repr(found), "Choose one."))
+    remedy = f"{did_you_mean(found, choices)}Choose one."
+    raise UsageError(refusal(f"configuration, {key}", expected, repr(found), remedy))

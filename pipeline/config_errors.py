@@ -1,14 +1,13 @@
 """Say of a configuration error which key is meant and what it may be."""
 
 import dataclasses
-import difflib
 import re
 import typing
 
 from omegaconf import DictConfig, OmegaConf
 
 from pipeline.config import EXTRA_STAGES, STAGES, STEP_RULES, Config, StepRuleConfig
-from pipeline.errors import UsageError
+from pipeline.errors import UsageError, did_you_mean
 
 
 def explain(error: BaseException) -> str:
@@ -23,6 +22,10 @@ def explain(error: BaseException) -> str:
         return f"{where}: expected key=value; found a stage. Say stages=[{override}]."
     if "LexerNoViableAltException" in message:
         message += "\nQuote a value with letters such as ä twice: 'key=\"value\"'."
+    option = re.search(r"Could not find '([\w/]+)/([^/']+)'\n\nAvailable options", str(error))
+    if option:
+        there = re.findall(r"^\t(?!schema_)(\S+)$", str(error), re.MULTILINE)
+        message = f"{message}\n{did_you_mean(option.group(2), there)}".rstrip()
     extra = re.search(r"Could not find 'hydra/launcher/(?:submitit_)?(slurm|ray)'", message)
     if extra:
         message += f"\nIt comes with an extra: pip install 'loopgap[{extra.group(1)}]'."
@@ -82,10 +85,9 @@ def _what_it_may_be(kind: object, names: list[str], before: str = "") -> str:
 
 def _neighbours(parent: str, wrong: str, schema: type) -> str:
     known = list(_fields(schema))
-    close = difflib.get_close_matches(wrong, known, n=1)
-    hint = f" Did you mean {close[0]!r}?" if close else ""
     where = f"under {parent!r}" if parent else "at the top"
-    return f"Key {wrong!r} is unknown {where}; it may be: {', '.join(known)}.{hint}"
+    told = f"Key {wrong!r} is unknown {where}; it may be: {', '.join(known)}."
+    return f"{told} {did_you_mean(wrong, known)}".rstrip()
 
 
 def _fields(schema: type) -> dict[str, object]:

@@ -13,7 +13,7 @@ import pandas as pd
 
 from pipeline.atomically import write_atomically as write_atomically
 from pipeline.errors import RecordingError as RecordingError
-from pipeline.errors import refusal
+from pipeline.errors import did_you_mean, refusal
 from pipeline.leading import leading_command
 from pipeline.sample_table import check_time, read_sample_table
 
@@ -59,10 +59,11 @@ class Recording:
         for channel in self.channels:
             if channel.name == name:
                 return channel
-        names = ", ".join(c.name for c in self.channels)
+        names = [c.name for c in self.channels]
         raise RecordingError(
-            refusal("recording", f"a channel {name!r}", f"channels {names}", "Name one of these.")
-        )
+            refusal("recording", f"a channel {name!r}", f"channels {', '.join(names)}",
+                    f"{did_you_mean(name, names)}Name one of these.")
+        )  # fmt: skip
 
     def with_role(self, role: str) -> tuple[Channel, ...]:
         """All channels of a role, in their order."""

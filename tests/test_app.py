@@ -116,6 +116,16 @@ def test_help_names_every_stage_and_no_schema(monkeypatch, capsys):
     assert "schema" not in said
 
 
+@pytest.mark.parametrize(
+    ("asked", "meant"),
+    [("experiment=K_Sweep", "k_sweep"), ("simulation=Identity", "identity"),
+     ("compensation/step_rule=newtn", "newton"), ("selection.K=4", "k"), ("twin=papr", "paper")],
+)  # fmt: skip
+def test_an_option_or_key_that_nearly_is_one_is_suggested(asked, meant, monkeypatch, capsys):
+    assert loopgap(monkeypatch, asked) == 2
+    assert f"Did you mean '{meant}'?" in capsys.readouterr().err
+
+
 def test_version_is_that_of_loopgap(monkeypatch, capsys):
     assert loopgap(monkeypatch, "--version") == 0
     assert capsys.readouterr().out.startswith(f"loopgap {metadata.version('loopgap')}")

@@ -12,8 +12,9 @@ LAYERS = {
     "laboratory": 3, "stages": 3,
     "discrepancy": 2, "control": 2, "models": 2, "hardware": 2, "twin": 2, "vision": 2,
     "tracking": 2, "concealed": 2, "recorder": 1, "split": 1, "commands": 1, "config_errors": 1,
-    "config_check": 1, "physics": 1, "foreign": 1, "config_importing": 0, "recording": 0, "atomically": 0,
-    "sample_table": 0, "leading": 0, "number_words": 0, "clock": 0, "config": 0, "errors": 0,
+    "config_check": 1, "physics": 1, "foreign": 1, "config_importing": 0, "recording": 0,
+    "atomically": 0, "sample_table": 0, "leading": 0, "number_words": 0, "clock": 0, "config": 0,
+    "errors": 0,
 }  # fmt: skip
 
 

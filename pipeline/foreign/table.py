@@ -1,7 +1,6 @@
 """Columns as a foreign file has them, and errors that say where in the file something is wrong."""
 
 import datetime
-import difflib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -9,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import pandas as pd
 
-from pipeline.errors import LoopgapError, UsageError, refusal
+from pipeline.errors import LoopgapError, UsageError, did_you_mean, refusal
 
 LISTED = 30
 TAKE_AS_DATE = "Take dates as time, with `time.unit: date`, or take another column."
@@ -129,12 +128,9 @@ def listed(names: Sequence[str]) -> str:
 
 
 def suggestion(wanted: str, names: Sequence[str]) -> str:
-    """A sentence on the name that was probably meant, or nothing."""
-    asked = wanted.lower().strip()
-    lower = {name.lower().strip(): name for name in names}
-    close = difflib.get_close_matches(asked, list(lower), n=1, cutoff=0.6)
-    close += [name for name in lower if name.endswith(f".{asked}")]
-    return f"Did you mean {lower[close[0]]!r}? " if close else ""
+    """A sentence on the name that was probably meant, the end of a dotted path too, or nothing."""
+    ends = [name for name in names if name.lower().endswith(f".{wanted.lower().strip()}")]
+    return did_you_mean(wanted, names) or did_you_mean(ends[0] if ends else "", ends)
 
 
 def _remedy(text: str) -> str:

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable
 
-from pipeline.errors import refusal
+from pipeline.errors import did_you_mean, refusal
 from pipeline.physics.backlash import Backlash
 from pipeline.physics.camera_tilt import CameraTilt
 from pipeline.physics.capstan_friction import CapstanFriction
@@ -154,7 +154,9 @@ def term(name: str, form: str = "", other_commands: Iterable[str] = ()) -> Term:
     forms = [f"{name}/{t.form}" if t.form else name for t in found if t.name == name]
     names = forms or list(dict.fromkeys(t.name for t in found))
     asked = f"{name}/{form}" if form else name
-    raise TermError(refusal("terms", f"one of {', '.join(names)}", repr(asked), "Name one."))
+    meant = (asked, forms) if forms else (name, names)
+    raise TermError(refusal("terms", f"one of {', '.join(names)}", repr(asked),
+                            f"{did_you_mean(*meant)}Name one."))  # fmt: skip
 
 
 def with_richer(some: Iterable[Term]) -> list[Term]:

@@ -6,7 +6,7 @@ from typing import ClassVar, Literal, Protocol
 
 import numpy as np
 
-from pipeline.errors import LoopgapError, refusal
+from pipeline.errors import LoopgapError, did_you_mean, refusal
 from pipeline.number_words import worded
 from pipeline.physics.motion import Motion
 
@@ -237,7 +237,12 @@ def values_of(
     if unknown:
         names = ", ".join(p.name for p in parameters)
         raise TermError(
-            refusal(f"term {term.name!r}", f"parameters {names}", unknown[0], "Name one of these.")
+            refusal(
+                f"term {term.name!r}",
+                f"parameters {names}",
+                unknown[0],
+                f"{did_you_mean(unknown[0], names.split(', '))}Name one of these.",
+            )
         )
     starts = parameters if usual is None else term.parameters(usual)
     values = [named.get(p.name, p.start) for p in starts]
