@@ -7,6 +7,7 @@ Each is as wide as a telephone, so that its letters can be read there; colours m
 import io
 import re
 from collections.abc import Mapping, Sequence
+from html import escape
 from typing import Any
 
 import matplotlib as mpl
@@ -167,7 +168,15 @@ def svg_of(figure: Figure, name: str, colours: Mapping[str, str]) -> str:
     text = re.sub(r"font: [^;\"]*", _page_font, text)
     for found, instead in {**CURRENT_COLOURS, **colours}.items():
         text = re.sub(re.escape(found), instead, text, flags=re.IGNORECASE)
-    return re.sub(r'width="[\d.]+pt" height="[\d.]+pt"', 'class="plot" role="img"', text, count=1)
+    head = f'class="plot" role="img" aria-label="{escape(what_is_drawn(figure))}"'
+    return re.sub(r'width="[\d.]+pt" height="[\d.]+pt"', lambda _: head, text, count=1)
+
+
+def what_is_drawn(figure: Figure) -> str:
+    """The figure in words, by its axes: `residual [deg] over command [deg]`."""
+    labels = [(one.get_ylabel(), one.get_xlabel()) for one in figure.axes]
+    below = next((x for _, x in reversed(labels) if x), "")
+    return "; ".join(f"{y} over {x or below}" for y, x in labels if y)
 
 
 def _page_font(found: re.Match[str]) -> str:

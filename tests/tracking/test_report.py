@@ -150,6 +150,16 @@ def test_every_reference_finds_its_one_target(page: Page) -> None:
     assert wanted - {""} <= set(ids)
 
 
+def test_pictures_and_tables_speak_to_who_does_not_see_them(page: Page) -> None:
+    drawn = [attributes["aria-label"] for tag, attributes in page.tags if tag == "svg"]
+    assert "pitch angle [deg] over pitch command [deg]" in drawn
+    assert "measured − simulated [deg] over time [min]" in drawn
+    assert all(re.fullmatch(r"\S.* over \S.*", words) for words in drawn)
+    heads = [attributes for tag, attributes in page.tags if tag == "th"]
+    assert heads
+    assert all(attributes.get("scope") == "col" for attributes in heads)
+
+
 def test_the_page_says_everything_that_a_mechanic_asks(page: Page) -> None:
     said = page.words
     for part in ("Before and after", "What is missing", "Where it shows", "How sure",
