@@ -215,7 +215,10 @@ def save_recording(recording: Recording, folder: Path) -> None:
 
 
 def write_head(channels: Sequence[Channel], source: str, folder: Path) -> None:
-    """Write `recording.json` alone: all that a recorder needs before its first row."""
+    """Write `recording.json` alone: all that a recorder needs before its first row.
+
+    OSError names the file where it can't be written.
+    """
     head = {"schema": SCHEMA, "source": source, "channels": [c.as_json() for c in channels]}
     write_atomically(folder / "recording.json", json.dumps(head, indent=1))
 

@@ -16,7 +16,10 @@ def thermal_gain(motion: Motion, joint: np.ndarray, p: Parameters) -> np.ndarray
 
 
 def sticky_spots(motion: Motion, joint: np.ndarray, p: Parameters) -> np.ndarray:
-    """The joint is caught at some spots, and each time torn off at another, chaotic, distance."""
+    """The joint is caught at some spots, and each time torn off at another, chaotic, distance.
+
+    joint, and what is returned: (n,) [deg].
+    """
     spots = np.cumsum(np.random.default_rng(int(p["spots"])).uniform(4.0, 14.0, 16)) - 70.0
     out = np.array(joint)
     caught, level = np.nan, p["level"]

@@ -113,7 +113,11 @@ def invert(
     start_deg: float,
     config: CompensationConfig,
 ) -> Solution:
-    """The command at which the branch of a direction has the desired angle [deg]."""
+    """The command [deg of shaft] at which the branch of a direction has the desired angle [deg].
+
+    direction: +1 ascending, -1 descending. start_deg: the command to search from. The solution's
+    status says where there is none (clipped, unreachable) or none was found; nothing is raised.
+    """
     branch = branches[direction]
     beyond = _beyond_reach(branches, target_deg, direction)
     if beyond is not None:

@@ -226,6 +226,7 @@ def box_of(parameters: Sequence[Parameter]) -> Box:
 
 
 def parameters_of(ground: Ground, term: Term) -> tuple[Parameter, ...]:
+    """A term's parameters as these data bound and start them."""
     return ground.box(term).parameters
 
 

@@ -306,7 +306,11 @@ def _kin(command: str, measurement: str) -> bool:
 
 
 def static_misfit(command: np.ndarray, simulated: np.ndarray) -> float:
-    """How far a simulation is from a static curve of a command, over the simulation's range."""
+    """How far a simulation (n,) is from a static curve of a command (n,), over its range [1].
+
+    The larger of two root mean squares: at equal commands, and of each position from the line
+    between its neighbours. Infinite where either stands still.
+    """
     span = float(np.ptp(simulated)) if len(simulated) else 0.0
     if len(simulated) < 3 or float(np.ptp(command)) == 0.0:
         return np.inf
