@@ -136,3 +136,18 @@ def test_a_damper_that_the_simulation_has_too_much_of_is_no_gain():
     damping = parameters(found)["viscous_friction.damping"]
     assert damping.value == pytest.approx(-40.0, rel=0.1)
     assert found.calibration.gain == pytest.approx(1.0, abs=0.1)
+
+
+def test_forms_that_other_terms_have_made_needless_are_plainer_again():
+    """What was fitted beside a gain that took the damper's place grew forms for what that left."""
+    t, x, rng = motion(36)
+    v = np.gradient(x, t)
+    seen = recording(x, dahl(t, x, 20.0, 4e-4) + 300.0 * x + rng.normal(0.0, NOISE, len(x)))
+    channels = (*seen.channels, Channel("force_sim_n", "simulation", "N", of="force_n"))
+    table = seen.samples.assign(force_sim_n=15.0 * v)
+    (found,) = diagnose(DiagnosisConfig(), Recording(table, channels, "simulated")).diagnoses
+    told = {p.name: {e.name for e in p.parameters} for p in found.physics}
+    assert {"coulomb_friction", "stiffness", "viscous_friction"} <= set(told)
+    assert not told["viscous_friction"] & {"square", "relaxation"}
+    assert not told["coulomb_friction"] & {"growth", "onset"}
+    assert parameters(found)["viscous_friction.damping"].value == pytest.approx(-15.0, rel=0.15)

@@ -3,15 +3,17 @@
 import numpy as np
 
 from pipeline.discrepancy.fitting.charge import absurd_calibration
-from pipeline.discrepancy.fitting.fit import Fit, evaluate, improve
+from pipeline.discrepancy.fitting.fit import Fit, evaluate, improve, parameters_of
 from pipeline.discrepancy.fitting.reform import reformed
 from pipeline.discrepancy.search.choose import Choice, Search, best_of_each
 from pipeline.discrepancy.search.polish import polished
-from pipeline.physics.catalogue import PRESSED, with_richer
+from pipeline.physics.catalogue import PRESSED, SPRUNG, with_richer
 from pipeline.physics.coulomb_friction import CoulombFriction
 from pipeline.physics.mechanism import Piece
+from pipeline.physics.term import Term
 
 BEYOND, SAME = 10.0, 0.3
+MOST_BEGUN = 3
 STATIC = frozenset({"stiffness", "contact", "gravity", "viscous_friction"})
 
 
@@ -32,7 +34,8 @@ def pressed(search: Search, choices: list[Choice]) -> list[Choice]:
             if isinstance(piece.term, CoulombFriction):
                 found += [search.weighed(reformed(fit, k, t), best.place) for t in PRESSED]
     choices = best_of_each([*choices, *found])
-    taken = taken_back(search, choices[0])
+    begun = [choices[0], *sorted(found, key=lambda c: c.score)[:MOST_BEGUN]]
+    taken = min((taken_back(search, c) for c in begun), key=lambda c: c.score)
     if min(choices[0].score, taken.score) < best.score - BEYOND:
         choices = best_of_each([*choices, *polished(search, [*choices, taken])])
     return best_of_each([*choices, plainer(search, choices[0])])
@@ -41,21 +44,33 @@ def pressed(search: Search, choices: list[Choice]) -> list[Choice]:
 def bare(choice: Choice) -> list[Fit]:
     """The fit of a choice, and that without what too plain a form of dry friction draws in."""
     fit = choice.fit
-    kept = [p for p in fit.pieces if isinstance(p.term, CoulombFriction) or p.term.name in STATIC]
+    kept = [
+        p
+        for p in fit.pieces
+        if isinstance(p.term, CoulombFriction)
+        or (p.term.name in STATIC and p.term.form != SPRUNG.form)
+    ]
     if len(kept) == len(fit.pieces):
         return [fit]
     return [fit, improve(evaluate(fit.ground, kept))]
 
 
 def plainer(search: Search, choice: Choice) -> Choice:
-    """The choice with terms in plainer forms that their score prefers, once the others moved."""
+    """The choice with terms in plainer forms that their score prefers, once the others moved.
+
+    A form is plainer that has some of the parameters, and no other.
+    """
+    ground, every = choice.fit.ground, with_richer((*search.terms, *PRESSED))
+
+    def names_of(term: Term) -> set[str]:
+        return {p.name for p in parameters_of(ground, term)}
+
     for k, piece in enumerate(choice.fit.pieces):
-        for term in with_richer((*search.terms, *PRESSED)):
-            form = piece.term.form
-            if term.name == piece.term.name and form in term.grows.get(term.form, ()):
-                trial = search.weighed(reformed(choice.fit, k, term), choice.place)
-                if trial.score < choice.score:
-                    return plainer(search, trial)
+        own = names_of(piece.term)
+        for term in (t for t in every if t.name == piece.term.name and names_of(t) < own):
+            trial = search.weighed(reformed(choice.fit, k, term), choice.place)
+            if trial.score < choice.score:
+                return plainer(search, trial)
     return choice
 
 
