@@ -116,7 +116,7 @@ class ResponseLag(Term):
         self.only_held = form == "whole"
         self.unlikely = 3.0 if form == "running" else 0.0  # chance would decide against old frames
         self.before_curve = form in ("motor", "slewing")
-        self.place = 0.0 if form == "motor" else 90.0
+        self.place = 0.0 if self.before_curve else 90.0
 
     @property
     def kin(self) -> str:
