@@ -15,7 +15,8 @@ from tests.discrepancy.made import explained, recorded
 
 DRIFT = Piece(term("drift", "linear"), np.array([0.3]))
 PLAY = Piece(term("backlash"), np.array([4.0]))
-STILL, WALKS, JITTERS = (0, 0, 0), (0, 0, 4), (0, 3, 0)
+STILL, WALKS, JITTERS = (0, 0, 0), (0, 0, 3), (0, 3, 0)
+WALKS_FAR, LEAPS = (0, 0, 4), (0, 4, 0)
 
 
 @pytest.fixture(scope="module")
@@ -31,17 +32,26 @@ def chosen(found: Explanation, *weighed: tuple[tuple[Piece, ...], Place, float])
     return names(sure_of_slow(replace(found, choices=choices), choices[0]))
 
 
-@pytest.mark.parametrize(("behind", "named"), [(2.0, True), (3.5, False)])
-def test_beside_other_names_noise_that_walks_is_told_as_the_drift_that_fits_as_well(
-    found: Explanation, behind: float, named: bool
+@pytest.mark.parametrize(
+    ("place", "behind", "named"),
+    [
+        (WALKS, 2.0, True),
+        (WALKS, 3.5, False),
+        (WALKS_FAR, 6.0, True),
+        (LEAPS, 6.0, True),
+        (LEAPS, 8.0, False),
+    ],
+)
+def test_beside_other_names_a_restless_zero_is_told_as_the_drift_that_fits_as_well(
+    found: Explanation, place: Place, behind: float, named: bool
 ) -> None:
-    still = ((PLAY, DRIFT), STILL, behind)
-    assert ("drift" in chosen(found, ((PLAY,), WALKS, 0.0), still)) == named
+    jitters = ((PLAY, DRIFT), JITTERS, behind)
+    assert ("drift" in chosen(found, ((PLAY,), place, 0.0), jitters)) == named
 
 
 def test_a_drift_is_not_told_in_place_of_other_noise(found: Explanation) -> None:
-    assert chosen(found, ((PLAY,), WALKS, 0.0), ((PLAY, DRIFT), JITTERS, 1.0)) == {"backlash"}
     assert chosen(found, ((PLAY,), JITTERS, 0.0), ((PLAY, DRIFT), STILL, 1.0)) == {"backlash"}
+    assert chosen(found, ((PLAY,), LEAPS, 0.0), ((PLAY, DRIFT), LEAPS, 1.0)) == {"backlash"}
 
 
 @pytest.mark.parametrize(("ahead", "named"), [(1.0, False), (2.0, True)])

@@ -11,12 +11,14 @@ from pipeline.discrepancy.judgement.rest import structured_rest
 from pipeline.discrepancy.judgement.structure import mismatch_variance, structure_of
 from pipeline.discrepancy.search.choose import Choice, names, wanders
 from pipeline.discrepancy.search.explain import Explanation
+from pipeline.discrepancy.search.pressed import plainer
 
 ENOUGH = 0.7
 MOST_LEFT = 0.1
 UNFOLLOWED = 0.7
 FORM_ERROR = 0.05
-ODDS, BESIDE = 2.0, 3.0
+ODDS, BESIDE, RESTLESS = 2.0, 3.0, 7.0
+USUAL = 3  # a zero that jitters by 0.3 of the noise, or walks by 0.017 of it from row to row
 
 
 def intolerable(choice: Choice) -> bool:
@@ -41,20 +43,29 @@ def sure_of_slow(explanation: Explanation, best: Choice) -> Choice:
 
     Where cycles repeat, such a zero is nothing to be named by itself: the odds against it must be 2
     to 1. Beside other names the simulation is known to leave things out, and a zero that walks is
-    told as the drift or slip that fits about as well.
+    told as the drift or slip that fits about as well; one that is as restless as hardly a sensor's
+    is, as what makes it calmer, even if that is worth no more than its own charge.
     """
     others = names(best) - best.fit.slow
     if explanation.prior.repeats == 0 or (others and best.fit.slow):
         return best
     if others:
         slow = [c for c in explanation.choices if c.fit.slow and names(c) - c.fit.slow == others]
-        still = [c for c in slow if c.place[1] <= best.place[1] and c.place[2] < best.place[2]]
-        told = min(still, key=lambda c: c.score, default=best)
-        return told if told.score < best.score + BESIDE else best
+        restless, walk = max(unrest(best)) > USUAL, best.place[2]
+        calmer = [c for c in slow if unrest(c) < unrest(best) and (restless or c.place[2] < walk)]
+        told = min(calmer, key=lambda c: c.score, default=best)
+        within = RESTLESS if restless else BESIDE
+        return told if told.score < best.score + within else best
     fewer_slow = [c for c in explanation.choices if names(c) < names(best)]
     rivals = [c for c in fewer_slow if wanders(c.place)]
     rival = min(rivals, key=lambda c: c.score, default=best)
     return rival if rival.score < best.score + 2.0 * np.log(ODDS) else best
+
+
+def unrest(choice: Choice) -> tuple[int, int]:
+    """How much a choice's zero walks, and how much it jitters: places on the scales of either."""
+    _, jitter, walk = choice.place
+    return walk, jitter
 
 
 def fewer(explanation: Explanation, choice: Choice) -> Choice:
@@ -68,7 +79,8 @@ def fewer(explanation: Explanation, choice: Choice) -> Choice:
     if not choice.fit.pieces:
         return choice
     if explanation.problem.motion.kinetics is not None:
-        return weightier(explanation, choice, structured_square(explanation, choice))
+        kept = weightier(explanation, choice, structured_square(explanation, choice))
+        return plainer(explanation.search, kept)
     base = next(c for c in explanation.choices if not c.fit.pieces)
     noise = explanation.prior.model.deviation**2
     before = mean_square(explanation, base) - noise
