@@ -25,6 +25,7 @@ SHAPE_OF = {"spread": "spread", "bristle": "release", "bent": "curve"}
 CURVES = (0.5, 1.0, 2.0)
 MIDDLES = (0.0, 0.5, 1.0)
 GROWN = (-0.5, 0.5)
+LEAST_PRESSED = 0.2
 
 
 def reach_of(around: Surroundings) -> Parameter:
@@ -146,6 +147,13 @@ class CoulombFriction(ForceTerm):
     def void(self, values: np.ndarray) -> bool:
         own = self.sizes(values)
         return own["force"] == 0.0 and own["growth"] == 0.0
+
+    def slight(self, values: np.ndarray, around: Surroundings) -> bool:
+        """Pressed by less than a fifth more at its farther end: any friction differs so."""
+        own = self.sizes(values)
+        half = 0.5 * around.drive_span
+        far = half + abs(own["middle"] - around.drive_low - half)
+        return "growth" in self._names and abs(own["growth"]) * far < LEAST_PRESSED * own["force"]
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
         start = {p.name: p.start for p in self.parameters(around)}

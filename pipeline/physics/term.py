@@ -200,6 +200,10 @@ class Term:
         """Whether this amounts to no such thing; the first parameter is the size unless said."""
         return bool(values[0] == 0.0)
 
+    def slight(self, values: np.ndarray, around: Surroundings) -> bool:
+        """Whether what this form has beyond a plainer one is so little that that one tells it."""
+        return False
+
     def plainer(self, values: np.ndarray, shown: Shown) -> str:
         """The name of what this amounts to in what is shown: its own, or one that it hides."""
         return self.name

@@ -276,3 +276,10 @@ def test_derivatives_give_back_the_force_that_a_mass_and_a_damper_need():
     force = 5.0 * found.acceleration + 3.0 * found.velocity
     true = 5.0 * m.kinetics.acceleration + 3.0 * m.kinetics.velocity
     assert np.max(np.abs(force - true)[found.known]) < 1e-3 * np.max(np.abs(true))
+
+
+def test_dry_friction_that_differs_a_little_along_the_way_is_not_told_as_pressed():
+    loaded = term("coulomb_friction", "loaded")
+    for growth, middle, slight in [(15.0, 0.0, True), (60.0, 0.0, False), (-40.0, 0.1, False)]:
+        assert loaded.slight(np.array([10.0, 0.01, growth, middle]), AROUND) == slight
+    assert not term("coulomb_friction").slight(np.array([10.0, 0.01]), AROUND)

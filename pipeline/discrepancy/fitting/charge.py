@@ -9,7 +9,7 @@ from pipeline.number_words import worded
 TERM_COST = 8.0
 SECOND_SIDE = 1.0
 AT_BOUND = 1.0
-VOID = 40.0
+VOID, NEVER = 40.0, 1e4
 
 
 def complexity(fit: Fit) -> float:
@@ -17,12 +17,15 @@ def complexity(fit: Fit) -> float:
 
     Each moment of a term is an event of its own: a second slip is as unlikely as the first. A
     calibration that can be none explains as little as a term that amounts to nothing; so does a
-    slip before the first sample used, which is another home of a curve that bends.
+    slip before the first sample used, which is another home of a curve that bends. What a plainer
+    form tells is told so.
     """
     first_s = fit.ground.problem.motion.time_s[int(np.argmax(fit.ground.used))]
+    around = fit.ground.problem.around
     charge = 0.0 if absurd_calibration(fit) is None else VOID
     for i, piece in enumerate(fit.pieces):
         charge += VOID if piece.term.void(piece.values) else 0.0
+        charge += NEVER if piece.term.slight(piece.values, around) else 0.0
         again = piece.term.side != 0.0 and piece.term.name in fit.names[:i]
         own = (SECOND_SIDE if again else TERM_COST) + piece.term.unlikely
         parameters = parameters_of(fit.ground, piece.term)
