@@ -17,7 +17,7 @@ def explain(error: BaseException) -> str:
     key = _key_of(chain)
     override = getattr(error, "override", None)
     where = f"configuration, {override!r}" if override else "configuration"
-    message = f"{where}: {_without_schemas(str(error).strip())}"
+    message = f"{where}: {_without_innards(str(error).strip())}"
     if override in (*STAGES, *EXTRA_STAGES):
         return f"{where}: expected key=value; found a stage. Say stages=[{override}]."
     if "LexerNoViableAltException" in message:
@@ -45,9 +45,10 @@ def refuse_added_keys(config: DictConfig, before: str = "") -> None:
             refuse_added_keys(config[name], here)
 
 
-def _without_schemas(text: str) -> str:
-    """Hydra lists the schemas beside the choices that they are of; nobody can choose one."""
-    return "\n".join(line for line in text.splitlines() if not line.strip().startswith("schema_"))
+def _without_innards(text: str) -> str:
+    """Hydra lists schemas beside the choices, and where it looked for them: of use to nobody."""
+    shown = re.sub(r"\nConfig search path:(\n\t.*)*", "", text)
+    return "\n".join(line for line in shown.splitlines() if not line.strip().startswith("schema_"))
 
 
 def _causes(error: BaseException) -> typing.Iterator[BaseException]:

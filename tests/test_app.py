@@ -123,7 +123,10 @@ def test_help_names_every_stage_and_no_schema(monkeypatch, capsys):
 )  # fmt: skip
 def test_an_option_or_key_that_nearly_is_one_is_suggested(asked, meant, monkeypatch, capsys):
     assert loopgap(monkeypatch, asked) == 2
-    assert f"Did you mean '{meant}'?" in capsys.readouterr().err
+    said = capsys.readouterr().err
+    assert f"Did you mean '{meant}'?" in said
+    assert "search path" not in said
+    assert "provider=" not in said
 
 
 def test_version_is_that_of_loopgap(monkeypatch, capsys):

@@ -1,12 +1,16 @@
-"""Links within the project's pages lead somewhere: to files and folders, and to headings."""
+"""Links within the pages lead somewhere, and the catalogue's page has every name and form."""
 
 import re
 from pathlib import Path
 
 import pytest
 
+from pipeline.physics.catalogue import MEANINGS, WORN, force_terms, terms, with_richer
+from pipeline.physics.term import Term
+
 ROOT = Path(__file__).resolve().parents[1]
 PAGES = [*ROOT.glob("*.md"), *ROOT.glob("docs/**/*.md"), *ROOT.glob("data/*.md")]
+CATALOGUE = (ROOT / "docs" / "catalogue.md").read_text(encoding="utf-8")
 LINK = re.compile(r"\]\(([^)\s]+)\)")
 
 
@@ -30,3 +34,21 @@ def test_every_link_within_the_project_leads_somewhere(page: Path) -> None:
 
 def test_pages_are_found() -> None:
     assert {"README.md", "CONTRIBUTING.md", "studies.md"} <= {page.name for page in PAGES}
+
+
+@pytest.mark.parametrize("one", [*terms(["CHANNEL"]), *force_terms()], ids=lambda t: t.name)
+def test_the_catalogues_page_has_every_name_with_its_site_and_meaning(one: Term) -> None:
+    assert f"| `{one.name}` | " in CATALOGUE
+    named = [line for line in CATALOGUE.splitlines() if line.startswith(f"| `{one.name}` | ")]
+    assert all(f" | {MEANINGS[one.name]} |" in line for line in named)
+    assert one.form == "force" or any(f" | {one.site} | " in line for line in named)
+
+
+@pytest.mark.parametrize(
+    "one",
+    [t for t in with_richer((*terms(["CHANNEL"]), WORN)) if t.form],
+    ids=lambda t: f"{t.name}/{t.form}",
+)
+def test_the_catalogues_page_has_every_form_of_what_moves(one: Term) -> None:
+    row = next(line for line in CATALOGUE.splitlines() if line.startswith(f"| `{one.name}` | "))
+    assert f"`{one.form}`" in row
