@@ -13,9 +13,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from pipeline.atomically import write_atomically
 from pipeline.config import Config
 from pipeline.errors import LoopgapError
-from pipeline.recording import write_atomically
 from pipeline.run import run_stages
 from pipeline.runners.stage_run import Workplace
 from pipeline.tracking.cache import StageCache

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from pipeline.atomically import write_atomically as write_atomically
+from pipeline.atomically import write_atomically
 from pipeline.errors import RecordingError as RecordingError
 from pipeline.errors import did_you_mean, refusal
 from pipeline.leading import leading_command

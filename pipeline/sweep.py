@@ -16,9 +16,9 @@ from hydra import compose, initialize_config_dir
 from hydra._internal.utils import get_args_parser
 from hydra.core.override_parser.overrides_parser import OverridesParser
 
+from pipeline.atomically import write_atomically
 from pipeline.errors import UsageError, refusal
 from pipeline.job import SHARED
-from pipeline.recording import write_atomically
 from pipeline.tracking.files import locked, remove_unfinished
 from pipeline.tracking.planned import override
 from pipeline.tracking.progress import watched

@@ -6,6 +6,7 @@ import pandas as pd
 import pytest
 from full_disk import full_at
 
+from pipeline.atomically import write_atomically
 from pipeline.recording import (
     Channel,
     Recording,
@@ -16,7 +17,6 @@ from pipeline.recording import (
     load_recording,
     reversals_of,
     save_recording,
-    write_atomically,
 )
 
 COMMAND = Channel("pitch_command_deg", "command", "deg")

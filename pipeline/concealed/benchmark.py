@@ -6,11 +6,12 @@ from pathlib import Path
 
 import pandas as pd
 
+from pipeline.atomically import write_atomically
 from pipeline.concealed.cases import realise, recordings_of
 from pipeline.concealed.draw import Case
 from pipeline.concealed.seal import seal
 from pipeline.concealed.truth import truth_of
-from pipeline.recording import save_recording, write_atomically
+from pipeline.recording import save_recording
 
 
 def generate(folder: Path, truth_folder: Path, cases: Sequence[Case]) -> None:

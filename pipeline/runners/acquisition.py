@@ -5,11 +5,12 @@ from pathlib import Path
 
 import pandas as pd
 
+from pipeline.atomically import write_atomically
 from pipeline.commands import read_commands
 from pipeline.errors import UsageError, refusal
 from pipeline.laboratory import Laboratory, open_laboratory
 from pipeline.recorder import Recorder
-from pipeline.recording import Recording, load_recording, save_recording, write_atomically
+from pipeline.recording import Recording, load_recording, save_recording
 from pipeline.runners.run_folder import Run, made, progress_bar
 from pipeline.stages.acquisition import acquire, channels_of, protocol
 from pipeline.stages.vision import measure_angles

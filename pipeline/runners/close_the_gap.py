@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pandas as pd
 
+from pipeline.atomically import write_atomically
 from pipeline.commands import read_commands
 from pipeline.control.inverse import Solution
 from pipeline.control.mechanism_inverse import follow_mechanism
@@ -13,7 +14,7 @@ from pipeline.control.trial import trial_path
 from pipeline.discrepancy.model.model import CorrectedModel
 from pipeline.laboratory import Laboratory, open_laboratory
 from pipeline.physics.mechanism import Mechanism
-from pipeline.recording import Recording, write_atomically
+from pipeline.recording import Recording
 from pipeline.runners.acquisition import record, see
 from pipeline.runners.diagnosis import (
     Answered,

@@ -10,13 +10,14 @@ from pathlib import Path
 
 import pandas as pd
 
+from pipeline.atomically import write_atomically
 from pipeline.concealed.benchmark import generate
 from pipeline.concealed.cases import follow_up
 from pipeline.concealed.draw import KINDS, Case, draw_cases
 from pipeline.concealed.score import Score, score
 from pipeline.config import DiagnosisConfig
 from pipeline.errors import UsageError, refusal
-from pipeline.recording import load_recording, save_recording, write_atomically
+from pipeline.recording import load_recording, save_recording
 from pipeline.runners.diagnosis import answer, stored_models, write_answer
 from pipeline.runners.run_folder import Run, made, progress_bar
 from pipeline.stages.prediction import predict

@@ -2,8 +2,8 @@
 
 import json
 
+from pipeline.atomically import write_atomically
 from pipeline.models.loop_model import LoopModel
-from pipeline.recording import write_atomically
 from pipeline.runners.run_folder import Run, made
 from pipeline.stages.crossed import cross
 

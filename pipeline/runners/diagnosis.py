@@ -10,6 +10,7 @@ import numpy as np
 import pandas as pd
 from threadpoolctl import threadpool_limits
 
+from pipeline.atomically import write_atomically
 from pipeline.config import Config, DiagnosisConfig
 from pipeline.discrepancy.account import with_account
 from pipeline.discrepancy.model import model as stored
@@ -23,7 +24,6 @@ from pipeline.recording import (
     file_stem,
     load_recording,
     save_recording,
-    write_atomically,
 )
 from pipeline.runners.run_folder import Run, made, say_now
 from pipeline.runners.simulation import asked_for, with_simulation

@@ -4,10 +4,11 @@ from pathlib import Path
 
 import pandas as pd
 
+from pipeline.atomically import write_atomically
 from pipeline.commands import SUFFIX
 from pipeline.config import Config
 from pipeline.laboratory import open_laboratory
-from pipeline.recording import Recording, write_atomically
+from pipeline.recording import Recording
 from pipeline.runners.acquisition import record, see
 from pipeline.runners.run_folder import Run, fresh, made
 from pipeline.stages.evaluation import evaluate, land, predict_cycles

@@ -2,7 +2,7 @@
 
 import json
 
-from pipeline.recording import write_atomically
+from pipeline.atomically import write_atomically
 from pipeline.runners.run_folder import Run, made
 from pipeline.stages.crossed import fits
 

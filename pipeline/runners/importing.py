@@ -5,11 +5,12 @@ from pathlib import Path
 
 import numpy as np
 
+from pipeline.atomically import write_atomically
 from pipeline.errors import UsageError, refusal
 from pipeline.foreign.mapping import check_mapping
 from pipeline.foreign.read import read_table
 from pipeline.foreign.table import ForeignTable
-from pipeline.recording import load_recording, save_recording, write_atomically
+from pipeline.recording import load_recording, save_recording
 from pipeline.runners.run_folder import IMPORTED, Run, made
 from pipeline.stages.importing import Account, assemble
 from pipeline.vision.frames import FrameFolder

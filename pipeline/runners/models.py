@@ -3,8 +3,8 @@
 import json
 from collections.abc import Iterable
 
+from pipeline.atomically import write_atomically
 from pipeline.models.loop_model import MODELS
-from pipeline.recording import write_atomically
 from pipeline.runners.run_folder import Run, made
 from pipeline.stages.compensation import compensate
 from pipeline.stages.selection import select, selection_metrics

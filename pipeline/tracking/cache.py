@@ -12,7 +12,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from pipeline.recording import write_atomically
+from pipeline.atomically import write_atomically
 from pipeline.tracking.files import (
     CorruptError,
     appear,

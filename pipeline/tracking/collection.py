@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from pipeline.recording import write_atomically
+from pipeline.atomically import write_atomically
 from pipeline.tracking.diagnoses import Entry, how_much, overview, parameters
 from pipeline.tracking.jobs import DONE, ORIGIN, Job, read_jobs
 from pipeline.tracking.planned import config_options, override, settings

@@ -17,7 +17,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from pipeline.recording import write_atomically
+from pipeline.atomically import write_atomically
 
 COLOURS = {
     "measured": "#6E6E6E",

@@ -7,8 +7,8 @@ Each file's head names the commit, the hashes of configurations and data, and th
 from collections.abc import Iterator
 from pathlib import Path
 
+from pipeline.atomically import write_atomically
 from pipeline.errors import LoopgapError, refusal
-from pipeline.recording import write_atomically
 from pipeline.tracking.cells import cells_of, comparisons
 from pipeline.tracking.collection import Collection
 from pipeline.tracking.hashes import digest

@@ -10,9 +10,10 @@ import pandas as pd
 from jinja2 import Environment, StrictUndefined
 from markupsafe import Markup
 
+from pipeline.atomically import write_atomically
 from pipeline.discrepancy.model.result import Diagnosis, Evidence
 from pipeline.physics.catalogue import MEANINGS
-from pipeline.recording import file_stem, write_atomically
+from pipeline.recording import file_stem
 from pipeline.tracking import report_words as words
 from pipeline.tracking.diagnosis_figures import diagnosis_figures, overview_figure, spoken, svg_of
 from pipeline.tracking.figures import save_figure

@@ -15,7 +15,8 @@ import pandas as pd
 import rerun as rr
 import rerun.blueprint as rrb
 
-from pipeline.recording import Recording, write_atomically
+from pipeline.atomically import write_atomically
+from pipeline.recording import Recording
 from pipeline.tracking.thumbnail import small_jpeg
 
 APPLICATION = "loopgap"

@@ -5,7 +5,7 @@ from dataclasses import asdict, dataclass, field, fields
 from pathlib import Path
 from typing import Any
 
-from pipeline.recording import write_atomically
+from pipeline.atomically import write_atomically
 
 SCHEMA = "loopgap.stage/1"
 RECORDS = ".stages"

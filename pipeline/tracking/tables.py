@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pandas as pd
 
+from pipeline.atomically import write_atomically
 from pipeline.number_words import LARGEST
-from pipeline.recording import write_atomically
 
 METRIC_COLUMNS = ("axis", "method", "cycle", "metric", "value", "unit", "n")
 DECIMALS = {"[deg]": 3, "[um]": 1, "[%]": 1}
