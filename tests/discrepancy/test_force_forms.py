@@ -125,13 +125,17 @@ def test_what_a_force_leaves_again_and_again_is_no_noise():
     assert plain.noise == pytest.approx(NOISE, rel=0.1)
 
 
-def test_a_damper_that_the_simulation_has_too_much_of_is_no_gain():
-    t, x, rng = motion(35)
-    v = np.gradient(x, t)
+def beside_a_simulated_damper(damping, seed):
+    """The diagnosis of a spring with dry friction, of which a damper is all that was simulated."""
+    t, x, rng = motion(seed)
     seen = recording(x, dahl(t, x, 20.0, 4e-4) + 300.0 * x + rng.normal(0.0, NOISE, len(x)))
     channels = (*seen.channels, Channel("force_sim_n", "simulation", "N", of="force_n"))
-    table = seen.samples.assign(force_sim_n=40.0 * v)
-    (found,) = diagnose(DiagnosisConfig(), Recording(table, channels, "simulated")).diagnoses
+    table = seen.samples.assign(force_sim_n=damping * np.gradient(x, t))
+    return diagnose(DiagnosisConfig(), Recording(table, channels, "simulated")).diagnoses[0]
+
+
+def test_a_damper_that_the_simulation_has_too_much_of_is_no_gain():
+    found = beside_a_simulated_damper(40.0, 35)
     assert {p.name for p in found.physics} == {"coulomb_friction", "stiffness", "viscous_friction"}
     damping = parameters(found)["viscous_friction.damping"]
     assert damping.value == pytest.approx(-40.0, rel=0.1)
@@ -140,12 +144,7 @@ def test_a_damper_that_the_simulation_has_too_much_of_is_no_gain():
 
 def test_forms_that_other_terms_have_made_needless_are_plainer_again():
     """What was fitted beside a gain that took the damper's place grew forms for what that left."""
-    t, x, rng = motion(36)
-    v = np.gradient(x, t)
-    seen = recording(x, dahl(t, x, 20.0, 4e-4) + 300.0 * x + rng.normal(0.0, NOISE, len(x)))
-    channels = (*seen.channels, Channel("force_sim_n", "simulation", "N", of="force_n"))
-    table = seen.samples.assign(force_sim_n=15.0 * v)
-    (found,) = diagnose(DiagnosisConfig(), Recording(table, channels, "simulated")).diagnoses
+    found = beside_a_simulated_damper(15.0, 36)
     told = {p.name: {e.name for e in p.parameters} for p in found.physics}
     assert {"coulomb_friction", "stiffness", "viscous_friction"} <= set(told)
     assert not told["viscous_friction"] & {"square", "relaxation"}
