@@ -23,6 +23,7 @@ class Drift(Term):
     place = 230.0
     adds = True
     slow = True
+    evolves = True
     means = "the zero wanders with time or from cycle to cycle"
     says = "The zero wanders while it runs."
 

@@ -49,6 +49,7 @@ class TensionLoss(Term):
     site = "transmission"
     place = 40.0
     remembers = "way"
+    evolves = True
     before_curve = True
     group = "play"
     far_apart = True

@@ -114,6 +114,7 @@ class Term:
     far_apart: whether a start says little of where a fit from it ends, until it has gone some way.
     holds: whether it keeps the joint where other terms of the balance would move it.
     slow: whether it moves the zero while all else stays, as noise that wanders does.
+    evolves: whether it becomes another with time or travel, each form in a course of its own.
     remembers: what of its signal it remembers: the "way" that it went, or for a "time".
     periodic: whether it comes again over the drive; its second parameter is that period.
     side: 1 or -1 for each side of what may stand on both, once on each; 0 elsewhere.
@@ -133,6 +134,7 @@ class Term:
     in_balance: bool = False
     holds: ClassVar[bool] = False
     slow: ClassVar[bool] = False
+    evolves: ClassVar[bool] = False
     mistaken_for: ClassVar[str] = ""
     unlikely: float = 0.0
     beyond: str = ""

@@ -8,11 +8,12 @@ import numpy as np
 import pytest
 
 from pipeline.config import DiagnosisConfig
-from pipeline.discrepancy.fitting.fit import ground_of
-from pipeline.discrepancy.judgement.refit import likeliest
+from pipeline.discrepancy.fitting.fit import evaluate, ground_of, improve
+from pipeline.discrepancy.judgement.refit import in_course, likeliest
 from pipeline.discrepancy.model.model import CorrectedModel, as_json, from_json
 from pipeline.discrepancy.noise.noise import NoiseModel
-from pipeline.physics.mechanism import Mechanism
+from pipeline.physics.catalogue import term, terms
+from pipeline.physics.mechanism import Mechanism, Piece
 from pipeline.recording import Recording
 from pipeline.stages.diagnosis import diagnose
 from pipeline.stages.prediction import predict
@@ -80,3 +81,37 @@ def test_a_drift_too_unsure_to_be_named_still_goes_on():
     explanation = explanation_of([*others, slipping, drifting, named])
     assert likeliest(explanation, named) is drifting
     assert likeliest(explanation, others[0]) is others[0]
+
+
+TRAVEL = 6 * 4 * 55.0
+
+
+@pytest.mark.parametrize(
+    ("hidden", "form", "begun"),
+    [
+        (
+            {"drift/exponential": {"amplitude": 1.5, "time_constant": 900.0}},
+            "exponential",
+            "linear",
+        ),
+        ({"drift/linear": {"rate": 4.0}}, "linear", "cycle"),
+        (
+            {"tension_loss/settling": {"growth": 0.01, "width": 1.0, "settled": 0.3 * TRAVEL}},
+            "settling",
+            "linear",
+        ),
+    ],
+)
+def test_what_evolves_takes_the_course_that_all_rows_show(
+    hidden: dict[str, dict[str, float]], form: str, begun: str
+):
+    problem = posed(recorded(hidden))
+    ground = ground_of(problem, NoiseModel(NOISE), problem.train)
+    other = term(next(iter(hidden)).split("/")[0], begun)
+    wrong = improve(
+        evaluate(ground, [Piece(other, other.candidates(problem.motion, problem.around)[0])])
+    )
+    right = in_course(wrong, terms(["yaw_command_deg"]))
+    assert right.pieces[0].term.form == form
+    assert right.cost < wrong.cost
+    assert in_course(right, terms(["yaw_command_deg"])).key == right.key

@@ -1,17 +1,22 @@
 """What foretells the rows after a recording: the explanation, refitted to all that was measured."""
 
+from collections.abc import Iterable
 from dataclasses import replace
 
 import numpy as np
 
+from pipeline.discrepancy.fitting.charge import complexity
 from pipeline.discrepancy.fitting.fit import Fit, evaluate, ground_of, improve
 from pipeline.discrepancy.fitting.moments import moments, moments_of, moved, settle_moments
+from pipeline.discrepancy.fitting.reform import reformed
 from pipeline.discrepancy.model.intervals import moment_interval, undated
 from pipeline.discrepancy.problem.outliers import isolated
 from pipeline.discrepancy.problem.problem import Problem
 from pipeline.discrepancy.search.choose import Choice, names
 from pipeline.discrepancy.search.counted import INCREDIBLE, settled_rows
 from pipeline.discrepancy.search.explain import Explanation
+from pipeline.physics.catalogue import with_richer
+from pipeline.physics.term import Term
 
 COARSE = 8
 
@@ -27,7 +32,7 @@ def likeliest(explanation: Explanation, choice: Choice) -> Choice:
 
 
 def refitted(problem: Problem, explanation: Explanation, choice: Choice) -> Choice:
-    """A choice fitted to the held-out rows too, with the terms, forms and noise that were chosen.
+    """A choice fitted to the held-out rows too, with the terms and noise that were chosen.
 
     For rows after the recording alone: what is said of its own rows has seen no held-out one.
     Held-out rows that stand off are left out, but not those between which a slip lies: now they
@@ -43,7 +48,20 @@ def refitted(problem: Problem, explanation: Explanation, choice: Choice) -> Choi
     odd &= ~undated(fit, known.motion.time_s)
     used = known.train & settled_rows(known, prior) & ~odd
     whole = dated(evaluate(replace(ground, used=used), fit.pieces), fit)
-    return replace(choice, fit=settle_moments(improve(whole)))
+    return replace(choice, fit=in_course(settle_moments(improve(whole)), explanation.search.terms))
+
+
+def in_course(fit: Fit, terms: Iterable[Term]) -> Fit:
+    """The fit with each term that evolves in the course that suits its rows best.
+
+    The training rows alone chose it before, and what they hardly tell apart parts after them.
+    """
+    for i, piece in enumerate(fit.pieces):
+        if piece.term.evolves:
+            forms = with_richer(t for t in terms if t.name == piece.term.name)
+            others = (reformed(fit, i, t) for t in forms if t.form != piece.term.form)
+            fit = min([fit, *others], key=lambda f: f.cost + complexity(f))
+    return fit
 
 
 def dated(fit: Fit, earlier: Fit) -> Fit:
