@@ -56,6 +56,22 @@ def test_a_recording_that_goes_on_is_foretold_as_part_of_the_whole(model):
                                whole["pitch_angle_deg_predicted"], atol=1e-9)  # fmt: skip
 
 
+@pytest.mark.parametrize("from_0", [False, True])
+@pytest.mark.parametrize("left_out", [0, 30])
+def test_cycles_go_on_though_a_recording_that_goes_on_numbers_them_from_0(from_0, left_out):
+    longer = recorded({"drift/cycle": {"rate": 0.6}}, seed=1, cycles=10)
+    rows = int(np.sum(longer.values("cycle") < 6)) - left_out
+    begun = replace(longer, samples=longer.samples[:rows])
+    model = diagnose(DiagnosisConfig(), begun).models[0]
+    later = of_rows(longer, rows)
+    cycle = later.samples["cycle"]
+    numbered = replace(later, samples=later.samples.assign(cycle=cycle - from_0 * cycle[0]))
+    whole = predict([model], longer)[rows:].reset_index(drop=True)
+    alone = predict([model], numbered)
+    np.testing.assert_allclose(alone["pitch_angle_deg_predicted"],
+                               whole["pitch_angle_deg_predicted"], atol=1e-9)  # fmt: skip
+
+
 def test_nobody_knows_how_a_motion_came_where_it_begins_elsewhere(model):
     longer = recorded(HIDDEN, seed=1, cycles=10, noise=0.0)
     rows = int(np.sum(longer.values("cycle") < 6)) + 25

@@ -10,14 +10,15 @@ from pipeline.physics.mechanism import Mechanism, State
 from pipeline.physics.motion import Kinetics, Motion
 
 MOST_ROWS = 2000
+WHOLE = 0.9
 
 
 @dataclass(frozen=True)
 class End:
     """Both ends of a recording and what its mechanism remembers after it.
 
-    first, last, low, high: drive; time_s, cycle: of the last row. longest_s, farthest: the most
-    time and way between two rows.
+    first, last, low, high: drive; time_s, cycle: of the last row; whole: whether that cycle was
+    over. longest_s, farthest: the most time and way between two rows.
     """
 
     first: float
@@ -26,6 +27,7 @@ class End:
     high: float
     time_s: float
     cycle: int
+    whole: bool
     longest_s: float
     farthest: float
     state: State
@@ -41,9 +43,14 @@ class End:
         return abs(float(motion.drive[0]) - self.first) <= self.farthest
 
     def answer(self, mechanism: Mechanism, motion: Motion) -> np.ndarray:
-        """What a mechanism says, (n,), of a motion that goes on."""
-        cycle = motion.cycle - motion.cycle[0] + self.cycle
-        return mechanism.respond(replace(motion, cycle=cycle), self.state)[0]
+        """What a mechanism says, (n,), of a motion that goes on.
+
+        Its cycles go on, too, be they numbered so or from 0.
+        """
+        begins, following = int(motion.cycle[0]), self.cycle + self.whole
+        if begins not in (following, self.cycle) or begins == 0:
+            motion = replace(motion, cycle=motion.cycle - begins + following)
+        return mechanism.respond(motion, self.state)[0]
 
     def as_json(self) -> dict[str, Any]:
         """The same as plain JSON."""
@@ -60,10 +67,17 @@ def end_of(motion: Motion, mechanism: Mechanism) -> End:
         high=float(motion.drive.max()),
         time_s=float(motion.time_s[-1]),
         cycle=int(motion.cycle[-1]),
+        whole=last_is_whole(motion.cycle),
         longest_s=float(np.max(np.diff(motion.time_s))),
         farthest=float(np.max(np.abs(np.diff(motion.drive)))),
         state=mechanism.respond(motion)[1],
     )
+
+
+def last_is_whole(cycle: np.ndarray) -> bool:
+    """Whether the last cycle has about as many rows as the others; cycle: its number, (n,)."""
+    rows = np.unique(cycle, return_counts=True)[1]
+    return bool(rows[-1] >= WHOLE * np.median(rows))
 
 
 def end_from_json(entry: Mapping[str, Any]) -> End:
