@@ -56,6 +56,16 @@ def test_a_recording_that_goes_on_is_foretold_as_part_of_the_whole(model):
                                whole["pitch_angle_deg_predicted"], atol=1e-9)  # fmt: skip
 
 
+def test_a_short_pause_ends_nothing(model):
+    longer = recorded(HIDDEN, seed=1, cycles=10, noise=0.0)
+    rows = int(np.sum(longer.values("cycle") < 6))
+    name, pause_s = "pitch_angle_deg_predicted", 120.0
+    at_once, later = (predict([model], of_rows(longer, rows, s))[name] for s in (0.0, pause_s))
+    rate = next(p.values[0] for p in model.later.pieces if p.term.name == "drift")
+    drifted = model.later.gain * rate * pause_s / 3600.0
+    np.testing.assert_allclose(later - at_once, drifted, atol=1e-9)
+
+
 @pytest.mark.parametrize("from_0", [False, True])
 @pytest.mark.parametrize("left_out", [0, 30])
 def test_cycles_go_on_though_a_recording_that_goes_on_numbers_them_from_0(from_0, left_out):

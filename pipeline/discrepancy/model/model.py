@@ -82,8 +82,8 @@ class CorrectedModel:
 
         The deviation holds the noise, the walk since the first sample, what the parameters leave
         open and how far the rivals, by their probabilities, expect something else. A motion that
-        begins as one more row of the model's recording goes on from its end; one that begins at
-        another command than that recording did may have come there on any way. After that
+        begins soon after the model's recording, where that ended, goes on from there; one that
+        begins at another command than that recording did may have come there on any way. After that
         recording's end, all its rows have been learnt from, and a zero that walks goes on from
         where it stood then.
         """

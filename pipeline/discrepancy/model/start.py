@@ -10,7 +10,7 @@ from pipeline.physics.mechanism import Mechanism, State
 from pipeline.physics.motion import Kinetics, Motion
 
 MOST_ROWS = 2000
-WHOLE = 0.9
+WHOLE, PAUSE = 0.9, 0.1
 
 
 @dataclass(frozen=True)
@@ -18,7 +18,8 @@ class End:
     """Both ends of a recording and what its mechanism remembers after it.
 
     first, last, low, high: drive; time_s, cycle: of the last row; whole: whether that cycle was
-    over. longest_s, farthest: the most time and way between two rows.
+    over. lasted_s: from its first row to its last. longest_s, farthest: the most time and way
+    between two rows.
     """
 
     first: float
@@ -28,15 +29,16 @@ class End:
     time_s: float
     cycle: int
     whole: bool
+    lasted_s: float
     longest_s: float
     farthest: float
     state: State
 
     def goes_on(self, motion: Motion) -> bool:
-        """Whether a motion begins where the recording ended, as one more row of it would."""
+        """Whether a motion begins where the recording ended, at once or after a short pause."""
         past_s = float(motion.time_s[0]) - self.time_s
         near = abs(float(motion.drive[0]) - self.last) <= 2.0 * self.farthest
-        return 0.0 < past_s <= 2.0 * self.longest_s and near
+        return 0.0 < past_s <= max(2.0 * self.longest_s, PAUSE * self.lasted_s) and near
 
     def begins_alike(self, motion: Motion) -> bool:
         """Whether a motion begins at the command at which the recording did."""
@@ -68,6 +70,7 @@ def end_of(motion: Motion, mechanism: Mechanism) -> End:
         time_s=float(motion.time_s[-1]),
         cycle=int(motion.cycle[-1]),
         whole=last_is_whole(motion.cycle),
+        lasted_s=float(motion.time_s[-1] - motion.time_s[0]),
         longest_s=float(np.max(np.diff(motion.time_s))),
         farthest=float(np.max(np.abs(np.diff(motion.drive)))),
         state=mechanism.respond(motion)[1],
