@@ -6,7 +6,6 @@ import numpy as np
 
 from pipeline.physics.balance import Load
 from pipeline.physics.motion import Motion
-from pipeline.physics.slack import Slack
 from pipeline.physics.term import NO_STATE, Parameter, Shown, Surroundings, Term
 
 DRIVEN = "driven"
@@ -112,7 +111,7 @@ class Compliance(Term):
         if self.form not in ("wire", OFF_HOME):
             return self.name
         reach, stretch, stiffness = values[1:4]
-        return Slack.name if reach * stiffness / (stiffness + stretch) < shown.step else self.name
+        return "slack" if reach * stiffness / (stiffness + stretch) < shown.step else self.name
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
         half = 0.5 * around.angle_span

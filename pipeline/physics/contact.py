@@ -1,5 +1,6 @@
 """Contact: stiffer beyond an angle on one side."""
 
+from collections.abc import Sequence
 from typing import ClassVar
 
 import numpy as np
@@ -7,7 +8,7 @@ import numpy as np
 from pipeline.physics.balance import Load
 from pipeline.physics.end_stop import EndStop
 from pipeline.physics.motion import Motion
-from pipeline.physics.term import Parameter, Surroundings, Term
+from pipeline.physics.term import Parameter, Surroundings, Term, Told
 
 STIFFEST = 6.0
 SIDES, HARDENING = ("upper", "lower"), "hardening"
@@ -63,6 +64,14 @@ class Contact(Term):
     def limit(self, values: np.ndarray) -> str:
         """What is stiffer than a contact can be is an end stop."""
         return EndStop.name if values[0] >= STIFFEST else ""
+
+    def instead(self, values: np.ndarray, motion: Motion, around: Surroundings) -> Sequence[Told]:
+        """An end stop, met where this is or elsewhere, once it can be no stiffer."""
+        if not self.limit(values):
+            return ()
+        stop = EndStop("upper" if self.side > 0.0 else "lower")
+        starts = stop.candidates(motion, around)
+        return [[(stop, own)] for own in (*starts, np.array([values[1], *starts[0, 1:]]))]
 
     def void(self, values: np.ndarray) -> bool:
         return bool(values[0] == 0.0 and (HARDENING not in self.form or values[3] == 0.0))

@@ -1,5 +1,6 @@
 """Creep: part of the motion arrives late."""
 
+from collections.abc import Sequence
 from typing import ClassVar
 
 import numpy as np
@@ -7,7 +8,8 @@ import numpy as np
 from pipeline.physics.balance import Load
 from pipeline.physics.held import STEP_AND_WAIT_S, dwells, trailed
 from pipeline.physics.motion import Motion
-from pipeline.physics.term import Parameter, Surroundings, Term
+from pipeline.physics.response_lag import ResponseLag
+from pipeline.physics.term import Parameter, Surroundings, Term, Told
 
 
 class Creep(Term):
@@ -57,7 +59,7 @@ class Creep(Term):
         dwell = max(around.dwell_s, 1e-9)
         longest = max(around.end_s - around.start_s, 10.0 * dwell)
         own: tuple[Parameter, ...] = (
-            Parameter("share", "", 0.0, 0.8, 0.1, 0.1),
+            Parameter("share", "", 0.0, LARGEST, 0.1, 0.1),
             Parameter("time_constant", "s", 0.2 * dwell, longest, 5.0 * dwell, 0.0),
         )
         if self.before_curve:
@@ -112,6 +114,10 @@ class Creep(Term):
         runs = self.form != "running" or around.dwell_s < STEP_AND_WAIT_S
         return around.drive_span > 0.0 and around.dwell_s > 0.0 and runs
 
+    def instead(self, values: np.ndarray, motion: Motion, around: Surroundings) -> Sequence[Told]:
+        """A lag of the whole motion, where its share is the largest."""
+        return [[(ResponseLag(), values[1:2])]] if values[0] >= LARGEST else ()
+
     def retold(self, starts: np.ndarray) -> np.ndarray:
         """What one arm does in the middle, two do: one that is quicker, and one that is slower."""
         if "two" not in self.form:
@@ -123,6 +129,7 @@ class Creep(Term):
         return np.vstack([starts, own])
 
 
+LARGEST = 0.8
 APART = (
     (0.5, 0.15, 0.9, 1.2),
     (0.9, 0.3, 0.5, 2.0),

@@ -1,5 +1,6 @@
 """Wire friction with pre-sliding: a loop with rounded corners, minor loops inside."""
 
+from collections.abc import Sequence
 from typing import ClassVar
 
 import numpy as np
@@ -8,8 +9,10 @@ from pipeline.physics.backlash import Backlash
 from pipeline.physics.balance import Load
 from pipeline.physics.motion import Motion
 from pipeline.physics.pre_sliding import ELEMENTS, WIDEST, dragging, reaches_of, weighted
-from pipeline.physics.term import Parameter, Shown, Surroundings, Term
+from pipeline.physics.slack import HOME, Slack
+from pipeline.physics.term import Parameter, Shown, Surroundings, Term, Told
 
+LEFT, LOOSENED, LOOSE = ((0.65, 0.3), (0.5, 0.7)), 1.4, 0.02
 WRAPPED, ASYMMETRIC = "wrapped", "driven asymmetric"
 
 
@@ -101,6 +104,22 @@ class Friction(Term):
     def plainer(self, values: np.ndarray, shown: Shown) -> str:
         """Backlash where the corners are surely sharp."""
         return Backlash.name if shown.sharp(1) else self.name
+
+    def instead(self, values: np.ndarray, motion: Motion, around: Surroundings) -> Sequence[Told]:
+        """Less of it beside slack.
+
+        Friction holds the joint between its loose wires: about as much as these are slack, the loop
+        is wider. No small step leads from friction alone to both.
+        """
+        slack = Slack(HOME) if Slack(HOME).excited(motion, around) else Slack()
+        (width, reach), slope = values[:2], around.angle_span / around.drive_span
+        found = []
+        for own, spread in LEFT:
+            loose = slack.candidates(motion, around)[0]
+            loose[0], loose[-1] = LOOSENED * (1.0 - own) * width / max(slope, 1e-12), LOOSE
+            held = np.array([own * width, own * reach, spread])
+            found.append([(Friction(), held), (slack, loose)])
+        return found
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
         span = around.drive_span if self.before_curve else around.angle_span

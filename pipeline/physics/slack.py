@@ -1,12 +1,14 @@
 """Slack: a dead zone around home, without a loop."""
 
+from collections.abc import Sequence
 from typing import ClassVar
 
 import numpy as np
 
 from pipeline.physics.balance import Load
+from pipeline.physics.compliance import Compliance
 from pipeline.physics.motion import Motion
-from pipeline.physics.term import Parameter, Shown, Surroundings, Term
+from pipeline.physics.term import Parameter, Shown, Surroundings, Term, Told
 
 HOME, BEHIND = "home", "behind"
 
@@ -67,7 +69,19 @@ class Slack(Term):
 
     def plainer(self, values: np.ndarray, shown: Shown) -> str:
         """A width not worth a parameter is wire that gives way at first."""
-        return self.name if shown.worth(0) else "compliance"
+        return self.name if shown.worth(0) else Compliance.name
+
+    def instead(self, values: np.ndarray, motion: Motion, around: Surroundings) -> Sequence[Told]:
+        """A toe as soft, where in the middle both wires still pull: they are no more than soft."""
+        width, rounding, own = values[0], values[-2], values[-1]
+        left = 2.0 / (1.0 + np.exp(min(0.5 * width / max(rounding, 1e-12), FIRM)))
+        if left <= LEAST_LEFT:
+            return ()
+        slope = around.angle_span / around.drive_span
+        pull = slope * rounding * (np.log(2.0) - np.log1p(np.exp(-width / rounding)))
+        softness = 2.0 * own * (1.0 - left) / left
+        toe = [softness, pull / (2.0 * own * np.log(2.0)), own, 2.0 * own]
+        return [[(Compliance("toe"), np.array(toe))]]
 
     def excited(self, motion: Motion, around: Surroundings) -> bool:
         """Form "home" where the drive passes 0."""
@@ -83,3 +97,4 @@ def apart(width: float) -> int:
 STIFFNESS = 0.03
 CENTRES = 0.25
 MOST_SHARP = 400.0
+LEAST_LEFT, FIRM = 0.05, 50.0

@@ -100,6 +100,9 @@ class Shown(Protocol):
         """Whether the corners that a parameter rounds are surely sharper than a step."""
 
 
+Told = Sequence[tuple["Term", np.ndarray]]
+
+
 class Term:
     """One piece of physics; subclasses say what it does to a signal.
 
@@ -197,6 +200,13 @@ class Term:
     def retold(self, starts: np.ndarray) -> np.ndarray:
         """Starts (k, p) with those that tell about the same in another way, if there are any."""
         return starts
+
+    def instead(self, values: np.ndarray, motion: Motion, around: Surroundings) -> Sequence[Told]:
+        """What may stand in this one's place where no small step leads there: terms with values.
+
+        Each is a place to begin from; of those with the same terms the best counts.
+        """
+        return ()
 
     def void(self, values: np.ndarray) -> bool:
         """Whether this amounts to no such thing; the first parameter is the size unless said."""

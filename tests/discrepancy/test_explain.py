@@ -11,12 +11,12 @@ from pipeline.discrepancy.problem.outliers import at_commands, returning
 from pipeline.discrepancy.search.choose import allowed, choose
 from pipeline.discrepancy.search.contested import contested, levelled, rival_names
 from pipeline.discrepancy.search.disguise import as_itself, plain_fit, undisguised, with_plain
+from pipeline.discrepancy.search.exchange import exchanged
 from pipeline.discrepancy.search.explain import (
     fitted_with_all,
     refuted,
     searched_wide,
 )
-from pipeline.discrepancy.search.moves import loosened, stopped, tautened
 from pipeline.physics.catalogue import term
 from pipeline.physics.mechanism import Piece
 from tests.discrepancy.made import NOISE, explained, posed, recorded
@@ -154,10 +154,10 @@ def test_friction_alone_leaves_a_part_of_its_loop_to_slack():
     search, ground = found.search, found.choices[0].fit.ground
     begun = evaluate(ground, (Piece(term("friction"), np.array([4.3, 4.1, 0.1])),))
     alone = search.weighed(improve(begun), (0, 0, 0), 12)
-    both = loosened(search, alone)
+    both = exchanged(search, alone)
     assert set(both.fit.names) == {"friction", "slack"}
     assert both.score < alone.score - 20.0
-    assert loosened(search, both) is both
+    assert exchanged(search, both) is both
 
 
 def test_slack_in_whose_middle_the_wires_still_pull_is_a_toe():
@@ -172,10 +172,10 @@ def test_slack_in_whose_middle_the_wires_still_pull_is_a_toe():
         return search.weighed(improve(evaluate(ground, (held, slack))), (0, 0, 0), 12)
 
     soft = beside(4.0, 1.5)
-    taut = tautened(search, soft)
+    taut = exchanged(search, soft)
     assert set(taut.fit.names) == {"friction", "compliance"}
     assert taut.score < soft.score - 20.0
-    assert tautened(search, taut) is taut
+    assert exchanged(search, taut) is taut
 
 
 def test_a_contact_that_is_as_stiff_as_can_be_is_an_end_stop():
@@ -187,12 +187,12 @@ def test_a_contact_that_is_as_stiff_as_can_be_is_an_end_stop():
     touched = Piece(term("contact", "upper"), np.array([4.0, 19.0, 0.3]))
     fit = improve(evaluate(ground, (touched, play)), 40)
     harder = search.weighed(fit, (0, 0, 0))
-    best = stopped(search, harder)
+    best = exchanged(search, harder)
     assert as_itself(harder, harder)
     assert not as_itself(harder, best)
     assert set(best.fit.names) == {"end_stop", "backlash"}
     assert best.score < harder.score
-    assert stopped(search, best) is best
+    assert exchanged(search, best) is best
 
 
 def test_a_near_rival_is_weighed_in_the_form_that_suits_it():

@@ -260,3 +260,23 @@ def test_what_comes_after_the_balance_says_where(one):
 @pytest.mark.parametrize("one", [*terms([OTHER]), *force_terms()], ids=named)
 def test_every_name_that_a_report_may_list_says_what_it_is(one):
     assert MEANINGS[one.name][0].islower()
+
+
+@pytest.mark.parametrize(
+    ("name", "form", "as_usual", "at_last", "others"),
+    [
+        ("slack", "home", [6.0, 0.3, 0.1], [4.0, 1.5, 0.1], ["compliance/toe"]),
+        ("creep", "one", [0.5, 8.0], [0.8, 8.0], ["response_lag/first"]),
+        ("contact", "lower", [5.9, -20.0, 0.3], [6.0, -20.0, 0.3], ["end_stop/lower"]),
+    ],
+)
+def test_what_a_term_may_be_instead_is_offered_where_it_comes_near_that(
+    name, form, as_usual, at_last, others
+):
+    motion, own = triangle(), term(name, form)
+    assert not own.instead(np.array(as_usual), motion, around(motion))
+    offered = own.instead(np.array(at_last), motion, around(motion))
+    assert len(offered) > 0
+    for told in offered:
+        assert [f"{t.name}/{t.form}" for t, _ in told] == others
+        assert all(len(values) == len(t.parameters(around(motion))) for t, values in told)

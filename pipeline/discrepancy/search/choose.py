@@ -325,14 +325,18 @@ def allowed(terms: Sequence[Term], fit: Fit) -> list[Term]:
     Where nothing holds the joint, what acts after the balance is about as in it.
     """
     holding = held(fit)
-    taken = {(p.term.name, p.term.side) for p in fit.pieces}
-    groups = {p.term.group for p in fit.pieces}
     return [
         t
         for t in terms
-        if (holding or not t.only_held)
-        and (t.group not in groups if t.group else (t.name, t.side) not in taken)
+        if (holding or not t.only_held) and not any(excludes(t, p.term) for p in fit.pieces)
     ]
+
+
+def excludes(term: Term, other: Term) -> bool:
+    """Whether two terms can't stand beside each other."""
+    if term.group:
+        return term.group == other.group
+    return (term.name, term.side) == (other.name, other.side)
 
 
 def grown(search: Search, choice: Choice, but: Container[str] = ()) -> Choice:

@@ -10,15 +10,8 @@ from pipeline.discrepancy.search.choose import (
     extended,
     grown,
 )
-from pipeline.discrepancy.search.moves import (
-    lagging,
-    loosened,
-    merged,
-    sheathed,
-    stopped,
-    tautened,
-    unpromised,
-)
+from pipeline.discrepancy.search.exchange import exchanged
+from pipeline.discrepancy.search.moves import merged, sheathed, unpromised
 
 WORTH = 150.0
 
@@ -31,7 +24,7 @@ def polished(search: Search, choices: list[Choice]) -> list[Choice]:
     """
     best = min(choices, key=lambda c: c.score)
     alone = next((c for c in choices if c.fit.names == ("friction",)), best)
-    found = _polished(search, best_of_each([*choices, loosened(search, alone)]))
+    found = _polished(search, best_of_each([*choices, exchanged(search, alone)]))
     plain = min(
         (c for c in found if set(c.fit.names) == set(best.fit.names)), key=lambda c: c.score
     )
@@ -39,7 +32,7 @@ def polished(search: Search, choices: list[Choice]) -> list[Choice]:
         sheath = sheathed(search, start)
         if sheath is not start and sheath.score < min(found[0].score, start.score):
             found = best_of_each([*found, *_polished(search, [*choices, sheath])])
-    return best_of_each([*found, stopped(search, found[0])])
+    return found
 
 
 def _polished(search: Search, choices: list[Choice]) -> list[Choice]:
@@ -48,8 +41,7 @@ def _polished(search: Search, choices: list[Choice]) -> list[Choice]:
     tried: set[Key] = set()
     for _ in range(3):
         best = min(found.values(), key=lambda c: c.score)
-        richest = lagging(search, merged(search, grown(search, best)))
-        richest = search.whitened(loosened(search, tautened(search, richest)))
+        richest = search.whitened(exchanged(search, merged(search, grown(search, best))))
         if richest is not best:
             found[richest.fit.key] = best = richest
         for piece in best.fit.pieces:
