@@ -8,6 +8,7 @@ from numba import njit
 from pipeline.number_words import worded
 from pipeline.physics.balance import Load
 from pipeline.physics.equilibrium import NEARBY, NEVER
+from pipeline.physics.frame_lag import FrameLag
 from pipeline.physics.held import STEP_AND_WAIT_S, dwells, slewed, trailed
 from pipeline.physics.motion import Motion
 from pipeline.physics.tabled import inlined
@@ -113,6 +114,7 @@ class ResponseLag(Term):
     def __init__(self, form: str = "first") -> None:
         self.form = form
         self.in_balance = form == "first"
+        self.mistaken_for = FrameLag.name if form in ("second", "motor") else ""
         self.only_held = form == "whole"
         self.unlikely = 3.0 if form == "running" else 0.0  # chance would decide against old frames
         self.before_curve = form in ("motor", "slewing")

@@ -124,7 +124,8 @@ class Term:
     group: of its terms only one may stand; "" where that goes by the name.
     beyond: what its form says that the catalogue has no name for; "" where its name says all.
     unlikely: how much less likely than others it is in its form, in -2 log odds.
-    mistaken_for: the name of what may be this instead, if it looks like that in disguise.
+    mistaken_for: the name of what may be this instead, if it looks like that in disguise, or is
+    behind it by no more than its charge.
     only_held: whether a form differs from its kin only beside what holds the joint.
     own_law: whether a form bends otherwise than the plainer one whose parameters it has: a fit of
     that is one more place to begin from, not the only one.
@@ -138,7 +139,7 @@ class Term:
     holds: ClassVar[bool] = False
     slow: ClassVar[bool] = False
     evolves: ClassVar[bool] = False
-    mistaken_for: ClassVar[str] = ""
+    mistaken_for: str = ""
     unlikely: float = 0.0
     beyond: str = ""
     only_held: bool = False

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from pipeline.discrepancy.judgement.structure import JERKS
+from pipeline.discrepancy.judgement.structure import JERKS, SWINGS
 from pipeline.physics.backlash import play, varying_play
 from pipeline.physics.kinematics import CubicCurve
 from pipeline.physics.worn_play import WornPlay
@@ -66,3 +66,13 @@ def test_a_hum_of_the_size_of_the_noise_is_no_noise():
     (found,) = diagnosed(changed(recording, **{ANGLE: recording.values(ANGLE) + hum})).diagnoses
     assert found.verdict == "unknown_physics"
     assert "a hum in time" in found.unexplained.where
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_what_shakes_where_the_arm_is_stretched_out_is_no_mistaken_frame(seed):
+    recording = recorded({}, seed=seed)
+    out = np.clip(recording.values("pitch_command_deg") / 55.0, 0.0, 1.0) ** 2
+    shaken = 15.0 * NOISE * out * np.sin(2.0 * np.pi * recording.values("time_s") / 21.0)
+    (found,) = diagnosed(changed(recording, **{ANGLE: recording.values(ANGLE) + shaken})).diagnoses
+    assert found.verdict == "unknown_physics"
+    assert found.unexplained.where == SWINGS

@@ -2,15 +2,20 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
-from pipeline.discrepancy.fitting.fit import Ground, ground_of
+from pipeline.discrepancy.fitting.fit import Ground, evaluate, ground_of
 from pipeline.discrepancy.noise.noise import NoiseModel
+from pipeline.discrepancy.search.choose import Choice
 from pipeline.discrepancy.search.disguise import (
     plainly,
 )
+from pipeline.discrepancy.search.equivalents import equivalents
 from pipeline.discrepancy.search.ties import standing
-from tests.discrepancy.made import NOISE, chosen, posed, recorded
+from pipeline.physics.catalogue import term
+from pipeline.physics.mechanism import Piece
+from tests.discrepancy.made import NOISE, changed, chosen, posed, recorded
 
 
 @pytest.fixture(scope="module")
@@ -37,3 +42,18 @@ def test_friction_sharper_than_a_step_may_be_what_looks_like_play(ground, score,
     found = standing("backlash", play, [play, finer], ground.problem)
     assert ("friction" in found.alternatives) == said
     assert found.tied == (score < 0.0)
+
+
+@pytest.mark.parametrize(("score", "said"), [(14.0, True), (30.0, False)])
+def test_an_old_frame_may_be_a_lag_that_is_charged_for_more_parameters(score, said):
+    recording = recorded({})
+    longer = np.where(recording.values("cycle") % 2 == 1, 4.0, 1.0)
+    problem = posed(changed(recording, time_s=np.cumsum(3.36 * longer)))
+    assert not equivalents("frame_lag", problem)
+    ground = ground_of(problem, NoiseModel(NOISE), problem.train)
+    frame = chosen(ground, 0.0, frame_lag=[0.9])
+    lag = Piece(term("response_lag", "second"), np.array([1.7, 0.74, 1.0]))
+    second = Choice(evaluate(ground, [lag]), (0, 0, 0), score)
+    found = standing("frame_lag", frame, [frame, second], problem)
+    assert ("response_lag" in found.alternatives) == said
+    assert not found.tied

@@ -12,6 +12,7 @@ from pipeline.discrepancy.judgement.force_rest import (
     too_slow,
 )
 from pipeline.discrepancy.judgement.rest import Rest, repeated_rest, structured_rest, two_valued
+from pipeline.discrepancy.judgement.swinging import swings
 from pipeline.discrepancy.noise.family import WALKS, Place
 from pipeline.discrepancy.noise.learning import FINEST
 from pipeline.discrepancy.noise.noise import NoiseModel
@@ -20,11 +21,12 @@ from pipeline.discrepancy.search.explain import Explanation
 from pipeline.number_words import worded
 from pipeline.recording import branch_of
 
-CHANCE = 1e-5
+CHANCE, SELDOM = 1e-5, 1e-3
 SMALLEST_SIZE, REPEATED = 0.2, 0.5
 SLOW_CORRELATION = 0.87
 LOUD, ROUNDED = 0.1, 1.1
 LEAST_ALIKE, AGAIN = 0.2, "what comes again where the motion does"
+SWINGS = "samples far off to one side and the other by turns: it swings there"
 JERKY, JERKS = 4.4, "jerks, each time elsewhere: it sticks and slips"
 
 
@@ -58,9 +60,9 @@ def structure_of(explanation: Explanation, choice: Choice) -> Structure:
 
     It shows in flexible curves of what was commanded that chance does not explain (likelihood
     ratio, Bonferroni over the families of curves), in noise that varies as slowly as physics does,
-    in what cycles have in common at each step, in noise with two humps, in a hum, in jerks, or, of
-    a force, in what comes again where the motion does. What is surely there but much smaller than
-    the noise is the form of a term, no physics.
+    in what cycles have in common at each step, in noise with two humps, in a hum, in jerks, in
+    outliers that swing, or, of a force, in what comes again where the motion does. What is surely
+    there but much smaller than the noise is the form of a term, no physics.
     """
     if rounded(explanation, choice):
         return Structure(False, None, 0.0, 1.0)
@@ -73,6 +75,7 @@ def structure_of(explanation: Explanation, choice: Choice) -> Structure:
         or two_zeros(choice)
         or humming(explanation, choice)
         or jerking(explanation, choice)
+        or swinging(explanation, choice)
         or coming_again(again, choice)
     )
     by_chance = min(min((r.p_value for r in rests), default=1.0) * len(rests), 1.0)
@@ -200,6 +203,14 @@ def jerking(explanation: Explanation, choice: Choice) -> Sign | None:
     cubes = (steps - steps.sum() / max(len(steps), 1)) ** 3
     skewed = abs(float(np.sum(cubes))) > JERKY * float(np.sqrt(np.sum(cubes**2)))
     return Sign(JERKS, choice.fit.ground.noise.deviation, CHANCE) if skewed else None
+
+
+def swinging(explanation: Explanation, choice: Choice) -> Sign | None:
+    """Samples of an angle that were taken for mistaken, but lie on both sides by turns."""
+    if explanation.problem.derivatives is not None:
+        return None
+    p_value, size = swings(explanation, choice)
+    return Sign(SWINGS, size, p_value) if p_value < SELDOM else None
 
 
 def share_left(explanation: Explanation, choice: Choice) -> float:

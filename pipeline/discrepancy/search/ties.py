@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pipeline.discrepancy.fitting.charge import complexity
 from pipeline.discrepancy.problem.problem import Problem
 from pipeline.discrepancy.search.choose import RIVAL_GAP, TIE, Choice, by_names, names
 from pipeline.discrepancy.search.disguise import as_itself, plain, plainly
@@ -38,8 +39,9 @@ def standing(name: str, best: Choice, choices: list[Choice], problem: Problem) -
 
     Those that are the best one in disguise say nothing, but for slack that may be what bends, and
     for what may be mistaken for this name (`Term.mistaken_for`): it is charged for parameters that
-    tell nothing there, and ties if it fits better. Where one bend of a static curve could stand in
-    its place, each could.
+    tell nothing there, and ties if it fits better. Nor need such a name be in disguise to be
+    listed, where all that it is behind is its charge for more parameters. Where one bend of a
+    static curve could stand in its place, each could.
     """
     distinct = by_names(choices)
     weights = weights_of(distinct)
@@ -56,6 +58,8 @@ def standing(name: str, best: Choice, choices: list[Choice], problem: Problem) -
         if swapped and (name in BENDS or as_itself(choice, best)):
             for one in other:
                 gaps.setdefault(one, gap)
+            if mistaken_for(other, choice) == {name} and gap < TIE + spare(choice, best):
+                looks_so = sorted({*looks_so, *other})
         elif swapped and gap < RIVAL_GAP and mistaken_for(other, choice) == {name}:
             looks_so = sorted(other)
             gaps |= dict.fromkeys(other, gap) if gap < 0.0 else {}
@@ -65,6 +69,11 @@ def standing(name: str, best: Choice, choices: list[Choice], problem: Problem) -
     known = [n for n in like if n not in names(best) | set(tied)]
     unsettled = bool(tied) or bool(name in BENDS and known)
     return Standing(probability, tuple(sorted(tied) + known), unsettled)
+
+
+def spare(choice: Choice, best: Choice) -> float:
+    """How much more a choice is charged than the best one for its terms; at most RIVAL_GAP."""
+    return min(max(complexity(choice.fit) - complexity(best.fit), 0.0), RIVAL_GAP)
 
 
 def mistaken_for(told: frozenset[str], choice: Choice) -> set[str]:

@@ -1,0 +1,48 @@
+"""Two slips at once, where noise that walks was the easier explanation."""
+
+import numpy as np
+import pytest
+
+from pipeline.discrepancy.fitting.fit import evaluate, ground_of
+from pipeline.discrepancy.search.choose import names
+from pipeline.discrepancy.search.stepped import stepped, two_steps
+from pipeline.physics.catalogue import term
+from pipeline.physics.mechanism import Piece
+from tests.discrepancy.made import explained, recorded
+
+SLIPS = {"jump": 1.1, "time": 700.0, "jump_2": -1.0, "time_2": 1500.0}
+WALKING = (0, 0, 6)
+
+
+@pytest.fixture(scope="module")
+def found():
+    return explained(recorded({"backlash": {"width": 2.0}, "lost_steps/twice": SLIPS}, cycles=9))
+
+
+@pytest.fixture(scope="module")
+def play(found):
+    ground = ground_of(found.problem, found.prior.model, found.used)
+    return evaluate(ground, [Piece(term("backlash"), np.array([2.0]))])
+
+
+def test_a_slip_that_is_taken_back_is_told_in_place_of_a_zero_that_walks(found, play):
+    walking = found.search.weighed(play, WALKING)
+    other = stepped(found.search, walking) if walking.place[2] else None
+    assert other is not None
+    assert names(other) == {"backlash", "lost_steps"}
+    assert other.score < walking.score - 20.0
+    slips = next(p for p in other.fit.pieces if p.term.name == "lost_steps")
+    assert slips.values == pytest.approx(list(SLIPS.values()), rel=0.1)
+    assert other.place[2] == 0
+
+
+def test_the_two_slips_begin_where_the_zero_moved(play):
+    jump, time_s, back, later_s = two_steps(play)
+    assert (time_s, later_s) == pytest.approx((700.0, 1500.0), abs=60.0)
+    assert (jump, back) == pytest.approx((1.1, -1.0), abs=0.3)
+
+
+def test_where_the_zero_rests_no_slips_are_looked_for(found):
+    calm = found.choices[0]
+    assert calm.place[2] == 0
+    assert stepped(found.search, calm) is calm
