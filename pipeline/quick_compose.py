@@ -1,4 +1,4 @@
-"""Composing the jobs of a sweep in milliseconds: what their choices share is composed once.
+"""Composing configuration without doing so twice; the jobs of a sweep in milliseconds.
 
 Hydra composes a job's configuration from all its files again, twice a job (once to check it). The
 files depend on the choices of groups alone (`compensation/step_rule=newton`); values
@@ -53,7 +53,10 @@ class QuickLoader(ConfigLoaderImpl):
         config_name: str | None = None, overrides: list[str] | None = None,
     ) -> list[str]:  # fmt: skip
         """The choices of a group; a schema that they are checked by is none."""
-        found = super().get_group_options(group_name, results_filter, config_name, overrides)
+        if config_name is None and not overrides:  # Hydra would copy its repository for each group
+            found = self.repository.get_group_options(group_name, results_filter)
+        else:
+            found = super().get_group_options(group_name, results_filter, config_name, overrides)
         return [option for option in found if not option.startswith("schema_")]
 
     def _composed(self, master_config: DictConfig, choices: list[Override]) -> DictConfig:
@@ -66,8 +69,16 @@ class QuickLoader(ConfigLoaderImpl):
 
 
 def install() -> None:
-    """Let Hydra use the quick loader from now on, in this process and in those of its launchers."""
+    """Let Hydra use the quick loader from now on, in this process and in those of its launchers.
+
+    Whether a sweep is asked for is told by `-m` alone: Hydra would compose everything to look.
+    """
     hydra_entry.ConfigLoaderImpl = QuickLoader  # type: ignore[misc]
+    hydra_entry.Hydra.get_mode = _as_told  # type: ignore[method-assign]
+
+
+def _as_told(self: hydra_entry.Hydra, config_name: str | None, overrides: list[str]) -> None:
+    """No mode in the configuration: that of the command line holds."""
 
 
 @cache

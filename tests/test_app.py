@@ -8,12 +8,14 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from importlib import metadata
 from importlib.util import find_spec
 from pathlib import Path
 
 import pandas as pd
 import pytest
+from hydra._internal.config_repository import CachingConfigRepository
 
 from pipeline import app
 from pipeline.config import EXTRA_STAGES, STAGES
@@ -33,6 +35,16 @@ def loopgap(monkeypatch: pytest.MonkeyPatch, *arguments: str) -> int:
         return app.run_command_line()
     except SystemExit as stop:
         return int(stop.code or 0)
+
+
+def _noting(made: list[object]) -> Callable[[CachingConfigRepository, object], None]:
+    begin = CachingConfigRepository.__init__
+
+    def noted(repository: CachingConfigRepository, delegate: object) -> None:
+        made.append(repository)
+        begin(repository, delegate)
+
+    return noted
 
 
 @pytest.fixture(scope="module")
@@ -127,6 +139,14 @@ def test_an_option_or_key_that_nearly_is_one_is_suggested(asked, meant, monkeypa
     assert f"Did you mean '{meant}'?" in said
     assert "search path" not in said
     assert "provider=" not in said
+
+
+@pytest.mark.parametrize("asked", [["stages=[none]"], ["--help"]])
+def test_configuration_is_read_once(asked, tmp_path, monkeypatch):
+    read = []
+    monkeypatch.setattr(CachingConfigRepository, "__init__", _noting(read))
+    loopgap(monkeypatch, *asked, f"hydra.run.dir={tmp_path}")
+    assert len(read) == 1
 
 
 def test_version_is_that_of_loopgap(monkeypatch, capsys):

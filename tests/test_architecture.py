@@ -1,6 +1,8 @@
 """The house's rules that a machine can check."""
 
 import ast
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -93,6 +95,13 @@ def test_a_library_is_known_in_few_rooms(library, rooms):
     }
     assert users
     assert users <= rooms
+
+
+@pytest.mark.parametrize("library", ["scipy.stats", "scipy.signal", "sklearn"])
+def test_a_diagnosis_does_not_wait_for_what_it_hardly_needs(library):
+    said = f"import sys, pipeline.runners.diagnosis; print({library!r} in sys.modules)"
+    done = subprocess.run([sys.executable, "-c", said], cwd=ROOT, capture_output=True, text=True)
+    assert done.stdout.strip() == "False", done.stderr
 
 
 @pytest.mark.parametrize("word", ["pickle", "eval", "exec"])

@@ -4,6 +4,8 @@ A stage is a function of the settings and files named here, of its code and of l
 or file that is not named has no say in its result.
 """
 
+import gc
+import sys
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from importlib import import_module
@@ -46,9 +48,19 @@ class Contract:
         return self.runner.partition(":")[0]
 
     def function(self) -> "Callable[[Run], None]":
-        """The function that runs the stage."""
+        """The function that runs the stage.
+
+        What is loaded with it stays for good: no collection of garbage need ever look at it.
+        """
         module, _, name = self.runner.partition(":")
-        return getattr(import_module(module), name)
+        if module not in sys.modules:
+            gc.disable()
+            try:
+                import_module(module)
+            finally:
+                gc.enable()
+            gc.freeze()
+        return getattr(sys.modules[module], name)
 
 
 _RUNNERS = "pipeline.runners."

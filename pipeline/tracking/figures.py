@@ -102,7 +102,7 @@ def save_figure(figure: Figure, folder: Path, name: str) -> list[Path]:
         path = folder / f"{name}.{suffix}"
         write_atomically(path, figure_bytes(figure, suffix))
         paths.append(path)
-        figure.set_layout_engine("none")
+        figure.set_layout_engine(None)  # "none" would draw each picture twice
     return paths
 
 

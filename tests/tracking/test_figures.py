@@ -124,6 +124,15 @@ def test_commands_figure_crosses_what_did_not_converge() -> None:
     assert [len(line.get_xdata()) for line in crosses] == [1, 1, 1]
 
 
+def test_a_figure_is_laid_out_once_and_drawn_once_a_file(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    draw, drawings = Figure.draw, []
+    monkeypatch.setattr(Figure, "draw", lambda one, to: (drawings.append(1), draw(one, to))[1])
+    figures.save_figure(drawn("loops"), tmp_path, "loops")
+    assert len(drawings) == 3
+
+
 def test_saved_files_are_whole_and_repeatable(tmp_path: Path) -> None:
     paths = figures.save_figure(drawn("loops"), tmp_path / "figures", "loops")
     assert [p.name for p in paths] == ["loops.png", "loops.pdf"]

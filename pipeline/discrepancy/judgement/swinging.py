@@ -1,7 +1,7 @@
 """Swinging: samples that stand off to either side by turns, as no mistaken frames do."""
 
 import numpy as np
-from scipy.stats import binom
+from scipy.special import bdtrc
 
 from pipeline.discrepancy.search.choose import Choice
 from pipeline.discrepancy.search.explain import Explanation
@@ -28,8 +28,8 @@ def swings(explanation: Explanation, choice: Choice) -> tuple[float, float]:
     share = len(rows) / float(problem.train.sum())
     by_chance = 0.5 * (1.0 - (1.0 - share) ** (SOON - 1))
     p_values = (
-        float(binom.sf(turned - 1, int(soon.sum()), 0.5)),
-        float(binom.sf(turned - 1, len(soon), by_chance)),
+        float(bdtrc(turned - 1, int(soon.sum()), 0.5)),
+        float(bdtrc(turned - 1, len(soon), by_chance)),
     )
     size = float(np.sqrt(np.sum(off**2) / problem.train.sum()))
     return min(1.0, 2.0 * min(p_values)), size
