@@ -7,6 +7,7 @@ import pandas as pd
 
 from pipeline.atomically import write_atomically
 from pipeline.number_words import LARGEST
+from pipeline.tracking.wide_latex import too_wide, wrapped
 
 METRIC_COLUMNS = ("axis", "method", "cycle", "metric", "value", "unit", "n")
 DECIMALS = {"[deg]": 3, "[um]": 1, "[%]": 1}
@@ -56,10 +57,15 @@ def plain(table: pd.DataFrame) -> str:
 
 
 def latex(table: pd.DataFrame) -> str:
-    """The table as a LaTeX tabular with booktabs rules; `um` becomes a micrometre."""
+    """The table as a LaTeX tabular with booktabs rules; `um` becomes a micrometre.
+
+    Texts are wrapped where the table would be wider than a line.
+    """
     right = _numeric(table)
-    columns = [latex_text(str(c)) for c in table.columns]
-    body = [[latex_text(cell) for cell in row] for row in _cells(table)]
+    rows = [[str(c) for c in table.columns], *_cells(table)]
+    columns, *body = [[latex_text(cell) for cell in row] for row in rows]
+    if too_wide(rows):
+        return wrapped(rows, [columns, *body], right)
     styler = pd.DataFrame(body, columns=columns).style.hide(axis="index")
     return styler.to_latex(hrules=True, column_format="".join("r" if r else "l" for r in right))
 

@@ -51,14 +51,40 @@ def test_latex_has_booktabs_and_escaped_signs() -> None:
     assert "nan" not in text
 
 
-def test_latex_compiles(tmp_path: Path) -> None:
+WIDE = pd.DataFrame(
+    {
+        "job": [0, 10],
+        "recording": ["data/paper_twin/pitch", "/home/somebody/recordings/the_other_finger"],
+        "measurement": ["pitch_angle_deg", "joint6_angle_deg"],
+        "verdict": ["explained", "partly explained"],
+        "left out": ["backlash", "coupling + camera_tilt or gravity or lens_distortion"],
+        "how much (95 %)": [
+            "width 4.55 (4.46 to 4.63) deg",
+            "; ".join(["gain 0.1 (0 to 0.2)"] * 9),
+        ],
+        "held-out RMSE before": [1.742, 14.85],
+        "after": [0.4593, 2.18],
+        "unit": ["deg", "deg"],
+    }
+)
+
+
+@pytest.mark.parametrize("table", [TABLE, WIDE], ids=["narrow", "wide"])
+def test_latex_fits_a_page(table: pd.DataFrame, tmp_path: Path) -> None:
     if shutil.which("pdflatex") is None:
         pytest.skip("pdflatex is not installed")
-    head = "\\documentclass{article}\\usepackage{booktabs}\\begin{document}\n"
-    (tmp_path / "t.tex").write_text(head + latex(TABLE) + "\\end{document}\n", encoding="utf-8")
+    head = "\\documentclass{article}\\usepackage{booktabs}\\begin{document}\n\\noindent "
+    (tmp_path / "t.tex").write_text(head + latex(table) + "\\end{document}\n", encoding="utf-8")
     command = ["pdflatex", "-interaction=nonstopmode", "-halt-on-error", "t.tex"]
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout
+    assert "Overfull" not in done.stdout
+
+
+def test_a_wide_table_loses_nothing_in_latex() -> None:
+    text = latex(WIDE).replace(r"\allowbreak{}", "")
+    for cell in WIDE.astype(str).to_numpy().ravel():
+        assert cell.replace("_", r"\_") in text
 
 
 def test_an_empty_table_can_be_shown() -> None:
