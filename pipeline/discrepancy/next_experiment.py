@@ -136,8 +136,8 @@ def explore(drive: "Drive", habit: Habit) -> Proposal:
 
 
 def rivals_of(hypotheses: Sequence[Hypothesis]) -> list[Hypothesis]:
-    """The likely explanations of which none only adds names to another."""
-    likely = [h for h in hypotheses if h.probability >= LEAST_PROBABILITY]
+    """The likely explanations of which none only adds names to another; each has a name."""
+    likely = [h for h in hypotheses if h.probability >= LEAST_PROBABILITY and h.names]
     least = [h for h in likely if not any(set(o.names) < set(h.names) for o in likely)]
     return least[:MOST_RIVALS]
 

@@ -196,6 +196,11 @@ def test_rivals_that_only_add_a_name_do_not_compete() -> None:
     assert next_experiment(evidence_of(one, plain()), "explained") is None
 
 
+def test_that_nothing_may_be_left_out_silences_no_rival() -> None:
+    hypotheses = [rival(0.4, CREEP), rival(0.35, FRICTION), rival(0.25)]
+    assert [h.names for h in rivals_of(hypotheses)] == [("creep",), ("friction",)]
+
+
 def test_another_axis_moves_where_that_is_what_separates() -> None:
     pair = [rival(0.5, usual("coupling")), rival(0.5, BACKLASH)]
     found = proposed(*pair, yaw=40.0)
