@@ -71,14 +71,19 @@ class QuickLoader(ConfigLoaderImpl):
 def install() -> None:
     """Let Hydra use the quick loader from now on, in this process and in those of its launchers.
 
-    Whether a sweep is asked for is told by `-m` alone: Hydra would compose everything to look.
+    Whether a sweep is asked for is told by `-m` or `hydra.mode=MULTIRUN` on the command line: Hydra
+    would compose everything to look.
     """
     hydra_entry.ConfigLoaderImpl = QuickLoader  # type: ignore[misc]
     hydra_entry.Hydra.get_mode = _as_told  # type: ignore[method-assign]
 
 
-def _as_told(self: hydra_entry.Hydra, config_name: str | None, overrides: list[str]) -> None:
-    """No mode in the configuration: that of the command line holds."""
+def _as_told(
+    self: hydra_entry.Hydra, config_name: str | None, overrides: list[str]
+) -> RunMode | None:
+    """The mode that an override sets; None where only `-m` or nothing tells it."""
+    told = [o.partition("=")[2] for o in overrides if o.startswith("hydra.mode=")]
+    return RunMode[told[-1]] if told and told[-1] in RunMode.__members__ else None
 
 
 @cache
