@@ -17,7 +17,10 @@ from hydra.core.override_parser.types import Override
 from hydra.types import RunMode
 from omegaconf import DictConfig, OmegaConf
 
+from pipeline.config import CONF
+
 SEARCH_PATH = "hydra.searchpath"
+_HYDRAS_MODE = hydra_entry.Hydra.get_mode
 _COMPOSED: dict[tuple[str | None, ...], DictConfig] = {}
 
 
@@ -71,19 +74,21 @@ class QuickLoader(ConfigLoaderImpl):
 def install() -> None:
     """Let Hydra use the quick loader from now on, in this process and in those of its launchers.
 
-    Whether a sweep is asked for is told by `-m` or `hydra.mode=MULTIRUN` on the command line: Hydra
-    would compose everything to look.
+    To learn whether a sweep is asked for, Hydra composes everything once more: now only where the
+    command line or files from elsewhere may tell it.
     """
     hydra_entry.ConfigLoaderImpl = QuickLoader  # type: ignore[misc]
-    hydra_entry.Hydra.get_mode = _as_told  # type: ignore[method-assign]
+    hydra_entry.Hydra.get_mode = _mode  # type: ignore[method-assign]
 
 
-def _as_told(
-    self: hydra_entry.Hydra, config_name: str | None, overrides: list[str]
-) -> RunMode | None:
-    """The mode that an override sets; None where only `-m` or nothing tells it."""
-    told = [o.partition("=")[2] for o in overrides if o.startswith("hydra.mode=")]
-    return RunMode[told[-1]] if told and told[-1] in RunMode.__members__ else None
+def _mode(self: hydra_entry.Hydra, config_name: str | None, overrides: list[str]) -> RunMode | None:
+    """The mode that configuration sets; None where only `-m` tells it: no file of ours sets one."""
+    places = {str(place.path) for place in self.config_loader.get_search_path().get_path()}
+    elsewhere = bool(places - {"pkg://hydra.conf", str(CONF), "structured://"})
+    told = any(key in line for line in overrides for key in ("hydra.mode", SEARCH_PATH))
+    if elsewhere or told or config_name != "config":
+        return _HYDRAS_MODE(self, config_name, overrides)
+    return None
 
 
 @cache

@@ -177,6 +177,19 @@ def test_a_sweep_with_a_configuration_of_ones_own(tmp_path, monkeypatch, capsys)
     assert "2 done, 0 failed, 0 left" in capsys.readouterr().out
 
 
+@pytest.mark.parametrize("told", ["command line", "file"])
+def test_a_sweep_may_be_asked_for_by_its_mode(told, tmp_path, monkeypatch, capsys):
+    (tmp_path / "conf" / "experiment").mkdir(parents=True)
+    (tmp_path / "conf" / "experiment" / "mine.yaml").write_text(
+        "# @package _global_\nhydra: {mode: MULTIRUN}\n"
+    )
+    asked = {"command line": ["hydra.mode=MULTIRUN"],
+             "file": ["--config-dir", str(tmp_path / "conf"), "experiment=mine"]}  # fmt: skip
+    loopgap(monkeypatch, "stages=[none]", "seed=1,2", BASIC, f"hydra.sweep.dir={tmp_path}/out",
+            *asked[told])  # fmt: skip
+    assert "job 1: configuration, stages: expected" in "".join(capsys.readouterr())
+
+
 def test_an_error_comes_first_and_then_how_to_go_on(tmp_path, monkeypatch, capsys):
     arguments = ["stages=[diagnosis]", f"recording={tmp_path}/none", f"hydra.run.dir={tmp_path}"]
     assert loopgap(monkeypatch, *arguments) == 1

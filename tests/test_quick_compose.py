@@ -1,6 +1,5 @@
 """A sweep's job is composed as Hydra composes it."""
 
-import hydra._internal.hydra as hydra_entry
 import pytest
 from hydra._internal.config_loader_impl import ConfigLoaderImpl
 from hydra._internal.utils import create_config_search_path
@@ -11,7 +10,7 @@ from hydra.types import RunMode
 from omegaconf import DictConfig, OmegaConf
 
 from pipeline.config import CONF, register_schemas
-from pipeline.quick_compose import QuickLoader, install
+from pipeline.quick_compose import QuickLoader
 
 register_schemas(ConfigStore.instance())
 setup_globals()
@@ -52,17 +51,3 @@ def test_a_wrong_value_is_refused_as_hydra_does(
     for loader in loaders:
         with pytest.raises(ConfigCompositionException, match=override.replace(".", r"\.")):
             loader.load_sweep_config(master, [override])
-
-
-@pytest.mark.parametrize(
-    ("overrides", "mode"),
-    [(["hydra.mode=MULTIRUN"], RunMode.MULTIRUN), (["selection.k=3"], None),
-     (["hydra.mode=MULTIRUN", "hydra.mode=RUN"], RunMode.RUN), (["hydra.mode=MANY"], None)],
-)  # fmt: skip
-def test_a_sweep_may_be_asked_for_by_its_mode(
-    overrides: list[str], mode: RunMode | None, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(hydra_entry, "ConfigLoaderImpl", ConfigLoaderImpl)
-    monkeypatch.setattr(hydra_entry.Hydra, "get_mode", hydra_entry.Hydra.get_mode)
-    install()
-    assert hydra_entry.Hydra("loopgap", None).get_mode("config", overrides) is mode
