@@ -36,7 +36,7 @@ from pipeline.physics.transmission_ripple import TransmissionRipple
 from pipeline.physics.viscous_friction import ViscousFriction
 from pipeline.physics.worn_play import WornPlay
 
-BEND, BENDING = "bend", LensDistortion("second")
+BEND, BENDING, RISING = "bend", LensDistortion("second"), Compliance("progressive")
 SHEATH_FORCES = tuple(SheathForce(f) for f in ("near", "far", "near falling", "far falling"))
 PRESSED = tuple(
     CoulombFriction(form)
@@ -49,6 +49,7 @@ PRESSED = tuple(
     )
 )
 SPRUNG, LATE, WORN = ViscousFriction("sprung"), ForceLag(), WornPlay()
+UNEVEN = (Compliance("upper"), Compliance("lower"))
 
 
 def terms(other_commands: Iterable[str] = ()) -> tuple[Term, ...]:
@@ -138,16 +139,18 @@ def richer(term: Term) -> tuple[Term, ...]:
     """Forms of a term that hold more of the real thing, as it says itself.
 
     What bends one static curve is one family in any data: each of it may be the one that bends most
-    freely, lest something else is named for what its own form is too narrow to hold.
+    freely, and that one what bends in the middle, lest something else is named for what its own
+    form is too narrow to hold.
     """
-    bend = () if term.group != BEND or term.form == BENDING.form else (BENDING,)
-    return (*term.richer(), *bend)
+    if term.group != BEND:
+        return term.richer()
+    return (*term.richer(), RISING if term.form == BENDING.form else BENDING)
 
 
 def term(name: str, form: str = "", other_commands: Iterable[str] = ()) -> Term:
     """The term of a name (and form); TermError names those that exist."""
     found = with_richer((*terms(other_commands), *force_terms()))
-    found += (*SHEATH_FORCES, *PRESSED, SPRUNG, LATE, WORN)
+    found += (*SHEATH_FORCES, *PRESSED, SPRUNG, LATE, WORN, *UNEVEN)
     same = [t for t in found if t.name == name and form in ("", t.form)]
     if same:
         return next((t for t in same if t.form == form), same[0])

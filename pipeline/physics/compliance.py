@@ -8,7 +8,7 @@ from pipeline.physics.balance import Load
 from pipeline.physics.motion import Motion
 from pipeline.physics.term import NO_STATE, Parameter, Shown, Surroundings, Term
 
-DRIVEN = "driven"
+DRIVEN, PROGRESSIVE, SIDES = "driven", "progressive", ("upper", "lower")
 
 
 class Compliance(Term):
@@ -20,19 +20,23 @@ class Compliance(Term):
     ropes do: it pulls by e - toe * length * (1 - exp(-e / length)). Its parameters mean the same:
     softness at first, and the reach within which half of that is gone. In form "off home" the wire
     is loose at theta = centre, where the joint's own spring is at rest. Form "joint": hardening *
-    theta^3. Form "driven" is stretch before the nominal curve, that of a drive u off its centre:
-    softness u / (1 + |u / reach|^a)^(1 / a), the sooner gone at the reach the larger the
-    `abruptness` a; a wire that loses more than half of the way hangs slack. Source: two springs in
-    series; toe region of wire ropes, Feyrer, Wire Ropes (2015), section 2.3; of tendons, Fung,
-    Biomechanics (1993), section 7.3; Duffing; Richard and Abbott, J. Eng. Mech. Div. ASCE 101
-    (1975) 511.
+    theta^3. Form "progressive": rise * theta * |theta|, a joint that stiffens in proportion to its
+    bend, rounded within `onset` of the middle. Forms "upper" and "lower": softness * width * log(1
+    + exp(+-(theta - centre) / width)), the wire that pulls to that side is the softer one, and
+    takes over from the other over a `width`. Form "driven" is stretch before the nominal curve,
+    that of a drive u off its centre: softness u / (1 + |u / reach|^a)^(1 / a), the sooner gone at
+    the reach the larger the `abruptness` a; a wire that loses more than half of the way hangs
+    slack. Source: two springs in series; toe region of wire ropes, Feyrer, Wire Ropes (2015),
+    section 2.3; of tendons, Fung, Biomechanics (1993), section 7.3; Duffing; springs of progressive
+    rate, Wahl, Mechanical Springs (1963); Richard and Abbott, J. Eng. Mech. Div. ASCE 101 (1975)
+    511.
     """
 
     name = "compliance"
     site = "transmission"
     in_balance = True
     group = "bend"
-    grows: ClassVar = {"wire": ("toe", "off home", DRIVEN)}
+    grows: ClassVar = {"wire": ("toe", "off home", DRIVEN), "joint": (PROGRESSIVE,)}
     means = "stretch: less motion than commanded, hardening"
     says = (
         "The wire stretches under the joint's stiffness, and hardens: it moves less than commanded."
@@ -50,6 +54,17 @@ class Compliance(Term):
         if self.form == "joint":
             hard = 0.1 / half**2
             return (Parameter("hardening", f"1/{unit}^2", 0.0, 30 * hard, hard, hard), stretch)
+        if self.form == PROGRESSIVE:
+            rise, edge = 0.1 / half, 0.05 * half
+            onset = Parameter("onset", unit, 0.2 * edge, 20.0 * edge, edge, 0.0, weak=True)
+            return (Parameter("rise", f"1/{unit}", 0.0, 30 * rise, rise, rise), stretch, onset)
+        if self.form in SIDES:
+            middle, far = around.angle_low + half, 0.7 * half
+            return (
+                Parameter("softness", "", 0.0, 2.0, 0.2, 0.2),
+                Parameter("centre", unit, middle - far, middle + far, middle, 0.1 * half),
+                Parameter("width", unit, GRADUAL * half, half, 0.2 * half, 0.0),
+            )
         if self.form == DRIVEN:
             far, unit = 0.5 * around.drive_span, around.drive_unit
             low, high = min(around.drive_low, 0.0), max(around.drive_low + 2.0 * far, 0.0)
@@ -74,14 +89,24 @@ class Compliance(Term):
         )
 
     def void(self, values: np.ndarray) -> bool:
-        if self.form == DRIVEN:
+        if self.form in (DRIVEN, *SIDES):
             return super().void(values)
-        stretch = values[1] if self.form == "joint" else values[2]
+        stretch = values[1] if self.form in ("joint", PROGRESSIVE) else values[2]
         return bool(values[0] == 0.0 and stretch == 0.0)
 
     def load(self, values: np.ndarray, motion: Motion, state: np.ndarray | None) -> Load:
         if self.form == "joint":
             return Load(smooth=(float(values[1]), float(values[0]), 0.0, 0.0))
+        if self.form == PROGRESSIVE:
+            rise, stretch, onset = values
+            sides = np.array([[1.0], [-1.0]])
+            contact = sides * [1.0 / onset, 0.0, 0.0, rise * onset**2]
+            return Load(contact=contact, smooth=(float(stretch), 0.0, 0.0, 0.0))
+        if self.form in SIDES:
+            (softness, middle, width), side = values, 1.0 if self.form == SIDES[0] else -1.0
+            return Load(
+                contact=side * np.array([[1.0 / width, side * middle, softness * width, 0.0]])
+            )
         softness, reach, stretch, stiffness, *centre = values
         if self.form == "toe":
             toe = softness / (softness + stiffness)
@@ -117,6 +142,11 @@ class Compliance(Term):
         half = 0.5 * around.angle_span
         if self.form == "joint":
             return np.array([[h / half**2, s] for h in (0.03, 0.3) for s in (0.0, 0.2)])
+        if self.form == PROGRESSIVE:
+            return np.array([[rise / half, 0.0, 0.05 * half] for rise in (0.03, 0.1, 0.3)])
+        if self.form in SIDES:
+            middle = around.angle_low + half
+            return np.array([[0.2, middle + c * half, 0.2 * half] for c in (-0.3, 0.0, 0.3)])
         if self.form == DRIVEN:
             far = 0.5 * around.drive_span
             return np.array([[0.2, r * far, a, 0.0] for r in (0.25, 0.7) for a in (1.0, 2.0, 4.0)])
@@ -132,3 +162,4 @@ class Compliance(Term):
 
 
 OFF_HOME = "off home"
+GRADUAL = 0.12

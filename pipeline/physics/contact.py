@@ -6,11 +6,12 @@ from typing import ClassVar
 import numpy as np
 
 from pipeline.physics.balance import Load
+from pipeline.physics.compliance import Compliance
 from pipeline.physics.end_stop import EndStop
 from pipeline.physics.motion import Motion
 from pipeline.physics.term import Parameter, Surroundings, Term, Told
 
-STIFFEST = 6.0
+STIFFEST, GRADUALLY, WIDER = 6.0, 0.99, 1.5
 SIDES, HARDENING = ("upper", "lower"), "hardening"
 
 
@@ -66,7 +67,14 @@ class Contact(Term):
         return EndStop.name if values[0] >= STIFFEST else ""
 
     def instead(self, values: np.ndarray, motion: Motion, around: Surroundings) -> Sequence[Told]:
-        """An end stop, met where this is or elsewhere, once it can be no stiffer."""
+        """An end stop, met where this is or elsewhere, once it can be no stiffer.
+
+        Or, once it can be met no more gradually, a wire that is softer than the other.
+        """
+        skin = self.parameters(around)[2].high
+        if values[2] >= GRADUALLY * skin:
+            side = SIDES[0] if self.side > 0.0 else SIDES[1]
+            return [[(Compliance(side), np.array([*values[:2], WIDER * values[2]]))]]
         if not self.limit(values):
             return ()
         stop = EndStop("upper" if self.side > 0.0 else "lower")

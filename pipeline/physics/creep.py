@@ -118,6 +118,10 @@ class Creep(Term):
         """A lag of the whole motion, where its share is the largest."""
         return [[(ResponseLag(), values[1:2])]] if values[0] >= LARGEST else ()
 
+    def slight(self, values: np.ndarray, around: Surroundings) -> bool:
+        """A second arm slower than some cycles hardly answers them: its one settling is a drift."""
+        return "two" in self.form and bool(values[-1] > SLOWEST * around.period_s)
+
     def retold(self, starts: np.ndarray) -> np.ndarray:
         """What one arm does in the middle, two do: one that is quicker, and one that is slower."""
         if "two" not in self.form:
@@ -129,7 +133,7 @@ class Creep(Term):
         return np.vstack([starts, own])
 
 
-LARGEST = 0.8
+LARGEST, SLOWEST = 0.8, 3.0
 APART = (
     (0.5, 0.15, 0.9, 1.2),
     (0.9, 0.3, 0.5, 2.0),

@@ -214,7 +214,7 @@ class Term:
         return bool(values[0] == 0.0)
 
     def slight(self, values: np.ndarray, around: Surroundings) -> bool:
-        """Whether what this form has beyond a plainer one is so little that that one tells it."""
+        """Whether a plainer form tells it: what this one has beyond is too little, or another's."""
         return False
 
     def plainer(self, values: np.ndarray, shown: Shown) -> str:

@@ -1,14 +1,19 @@
 """What a search once missed although it fits best: from where its own form is reached."""
 
+from collections.abc import Callable
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from pipeline.discrepancy.fitting.fit import evaluate, improve
 from pipeline.discrepancy.noise.family import WHITE
 from pipeline.physics.catalogue import term
+from pipeline.physics.creep import Creep
 from pipeline.physics.mechanism import Piece
-from pipeline.physics.term import values_of
-from tests.discrepancy.made import explained, recorded
+from pipeline.physics.term import Surroundings, values_of
+from pipeline.physics.transmission_ripple import TransmissionRipple
+from tests.discrepancy.made import ANGLE, SIMULATED, explained, recorded
 
 WITHIN = 3.0
 
@@ -83,3 +88,30 @@ def test_what_follows_a_slack_joint_late_is_found_beside_the_slack(key, late):
     assert found[name].term.form in ("whole", "running")
     np.testing.assert_allclose(found[name].values, list(late.values()), rtol=0.1)
     np.testing.assert_allclose(found["slack"].values[0], 4.0, rtol=0.08)
+
+
+def bent(bend: Callable[[np.ndarray], np.ndarray], **made: float) -> list[str]:
+    """The names told of a joint of which a static bend of its angle (n,) is left out."""
+    recording = recorded({}, noise=0.15, **made)
+    simulated = recording.samples[SIMULATED].to_numpy(float)
+    measured = recording.samples[ANGLE] + bend(simulated) - simulated
+    samples = recording.samples.assign(**{ANGLE: measured})
+    return sorted(explained(replace(recording, samples=samples)).choices[0].fit.names)
+
+
+def test_a_gain_that_falls_with_the_bend_is_no_ripple():
+    assert bent(lambda angle: angle / (1.0 + 0.004 * np.abs(angle))) == ["compliance"]
+
+
+def test_a_settling_zero_is_no_second_time_of_a_creep():
+    around = Surroundings(start_s=0.0, end_s=900.0, cycles=9)
+    slower = np.array([0.1, 20.0, 0.02, 301.0])
+    assert Creep("two").slight(slower, around)
+    assert not Creep("two").slight(slower - [0.0, 0.0, 0.0, 2.0], around)
+    assert not Creep("two").slight(slower, replace(around, cycles=1))
+
+
+def test_overtones_need_a_period_that_comes_twice():
+    around = Surroundings()
+    plain, second = (TransmissionRipple(f).parameters(around)[1].high for f in ("first", "second"))
+    assert second == 0.5 * around.drive_span < plain
