@@ -11,7 +11,7 @@ from pipeline.physics.tabled import waved
 from pipeline.physics.term import NO_STATE, Parameter, Surroundings, Term
 
 OVERTONES = {"second": (2,), "third": (3,), "both": (2, 3), "odd": (3,), "all": (2, 3)}
-EDGES, TWICE, FEWEST = 3.0, 2.0, 4.0 / 3.0
+EDGES = 3.0
 GOING_ON = {"odd": (5, 7, 9), "all": (4, 5, 6, 7, 8)}
 
 
@@ -36,8 +36,7 @@ class TransmissionRipple(Term):
     on, each `further` times the one before and as far ahead of it in phase, as what snaps over has
     them: teeth that seat, a wave with edges.
     A period that the drive does not run through at least once and a third is no ripple to be seen,
-    overtones of one that it does not run through twice bend one curve as anything else does, and
-    edges that it does not meet three times are not told from a single one.
+    and edges that it does not meet three times are not told from a single one.
     Source: kinematic transmission error, e.g. Tuttle and Seering, IEEE Trans. Robotics and
     Automation 12(3) (1996) 368.
     """
@@ -67,7 +66,7 @@ class TransmissionRipple(Term):
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
         span, unit = around.drive_span, around.drive_unit
-        longest = span / (EDGES if self.going_on else TWICE if self.overtones else FEWEST)
+        longest = span / EDGES if self.going_on else 0.75 * span
         own: tuple[Parameter, ...] = (
             Parameter("amplitude", unit, 0.0, 0.3 * span, 0.02 * span, 0.01 * span),
             Parameter("period", unit, 2.0 * around.spacing, longest, 0.4 * longest, 0.0),
@@ -108,7 +107,7 @@ class TransmissionRipple(Term):
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
         span, amplitude = around.drive_span, 0.002 * around.drive_span
         highest = min(0.25 / max(around.spacing, 1e-9), 30.0 / span)
-        fewest = EDGES if self.going_on else TWICE if self.overtones else 1.4
+        fewest = EDGES if self.going_on else 1.4
         waves = np.arange(fewest / span, highest, 0.5 / span)
         phases = np.arange(4) * np.pi / 4.0
         rows = [[amplitude, 1.0 / f, p] for f in waves for p in phases]

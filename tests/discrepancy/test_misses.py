@@ -12,7 +12,6 @@ from pipeline.physics.catalogue import term
 from pipeline.physics.creep import Creep
 from pipeline.physics.mechanism import Piece
 from pipeline.physics.term import Surroundings, values_of
-from pipeline.physics.transmission_ripple import TransmissionRipple
 from tests.discrepancy.made import ANGLE, SIMULATED, explained, recorded
 
 WITHIN = 3.0
@@ -109,9 +108,3 @@ def test_a_settling_zero_is_no_second_time_of_a_creep():
     assert Creep("two").slight(slower, around)
     assert not Creep("two").slight(slower - [0.0, 0.0, 0.0, 2.0], around)
     assert not Creep("two").slight(slower, replace(around, cycles=1))
-
-
-def test_overtones_need_a_period_that_comes_twice():
-    around = Surroundings()
-    plain, second = (TransmissionRipple(f).parameters(around)[1].high for f in ("first", "second"))
-    assert second == 0.5 * around.drive_span < plain
