@@ -293,7 +293,7 @@ def test_a_wrong_mapping_of_ones_own_says_where(text, words, tmp_path, monkeypat
 def test_a_launcher_that_is_not_installed_says_how_to_come_by_it(tmp_path, monkeypatch, capsys):
     arguments = ["-m", "hydra/launcher=ray", "stages=[]", f"hydra.sweep.dir={tmp_path}"]
     assert loopgap(monkeypatch, *arguments) == 2
-    assert "pip install 'loopgap[ray]'" in capsys.readouterr().err
+    assert "pip install '.[ray]'" in capsys.readouterr().err
 
 
 def test_output_folder_that_cannot_be_made(tmp_path, monkeypatch, capsys):

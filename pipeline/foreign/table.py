@@ -135,8 +135,9 @@ def suggestion(wanted: str, names: Sequence[str]) -> str:
 
 def _remedy(text: str) -> str:
     if "," in text and text.replace(",", ".", 1).replace(".", "", 1).lstrip("+-").isdigit():
-        return ("If that is a decimal comma, set `reading.decimal: ','` (csv and its kin, xlsx); "
-                "elsewhere write numbers.")  # fmt: skip
+        return ("If that is a decimal comma, set `reading: {decimal: \",\"}` for the table in the "
+                "mapping, or importing.tables.NAME.reading.decimal=\"','\" on the command line "
+                "(csv and its kin, xlsx); elsewhere write numbers.")  # fmt: skip
     if not pd.isna(pd.to_datetime(text, errors="coerce", format="ISO8601")):
         return TAKE_AS_DATE
     return ("Correct it or leave it empty; rows of units or remarks are left out with "

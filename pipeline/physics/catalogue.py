@@ -131,6 +131,9 @@ def force_terms() -> tuple[Term, ...]:
     )
 
 
+FORCES = {t.name for t in force_terms()} - {t.name for t in terms([""])}
+"""Names that show in a force measured against a position alone."""
+
 MEANINGS = {t.name: t.means for t in (*terms([""]), *force_terms()) if t.means}
 """What each name of the catalogue is, in words that stand after a colon."""
 

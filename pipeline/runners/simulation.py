@@ -101,10 +101,16 @@ def read_trace(path: str | None, measurements: list[str]) -> pd.DataFrame:
                         repr(str(table[name].iloc[text[0]])), "Correct it or leave it empty.")
             )  # fmt: skip
     time_s = numbers["time_s"].to_numpy(float)
-    if len(time_s) < 2 or not np.all(np.diff(time_s) > 0):
+    if len(time_s) < 2:
         raise LoopgapError(
-            refusal(f"{path}, column 'time_s'", "at least two rising numbers",
-                    f"{len(time_s)} that do not rise everywhere", "Sort the rows.")
+            refusal(path, "at least two rows", str(len(time_s)), "Give the whole trace.")
+        )
+    falls = np.flatnonzero(~(np.diff(time_s) > 0))
+    if falls.size:
+        k = int(falls[0])
+        raise LoopgapError(
+            refusal(f"{path}, column 'time_s', row {k + 1} (from 0)", "rising numbers",
+                    f"{time_s[k + 1]:g} after {time_s[k]:g}", "Sort the rows, and leave none empty.")
         )  # fmt: skip
     for name in measurements:
         if np.isfinite(numbers[name].to_numpy(float)).sum() < 2:

@@ -152,9 +152,10 @@ def _mechanism_answer(
         return force_answer(config, recording, name, position, cutoff_hz)
     if name not in config.axes:
         raise UsageError(
-            refusal("simulation.axes", f"a mechanism for {name!r}",
-                    ", ".join(config.axes) or "none",
-                    f"Add one there, a simulation channel to the recording, or choose {OTHERS}.")
+            refusal(f"simulation of {name!r}",
+                    "a simulation channel in the recording, or a mechanism under simulation.axes",
+                    f"no such channel, and mechanisms for {', '.join(config.axes) or 'nothing'}",
+                    f"simulation=affine needs no model; or add either, or choose {OTHERS}.")
         )  # fmt: skip
     axis = config.axes[name]
     command = recording.channel(axis.command)

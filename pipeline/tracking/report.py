@@ -12,7 +12,7 @@ from markupsafe import Markup
 
 from pipeline.atomically import write_atomically
 from pipeline.discrepancy.model.result import Diagnosis, Evidence
-from pipeline.physics.catalogue import MEANINGS
+from pipeline.physics.catalogue import FORCES, MEANINGS
 from pipeline.recording import file_stem
 from pipeline.tracking import report_words as words
 from pipeline.tracking.diagnosis_figures import diagnosis_figures, overview_figure, spoken, svg_of
@@ -99,11 +99,11 @@ def page(measurements: Sequence[Mapping[str, Any]]) -> str:
     environment.filters |= {
         "said": words.said, "number": words.number, "percent": words.percent,
         "chance": words.chance, "coordinate": words.coordinate, "sentence": words.sentence,
-        "spoken": spoken, "placed": words.placed,
+        "spoken": spoken, "placed": words.placed, "set": set,
     }  # fmt: skip
     text = resources.files("pipeline.tracking").joinpath("templates", TEMPLATE).read_text("utf-8")
     return environment.from_string(text).render(
-        measurements=measurements, what_it_is=MEANINGS, captions=CAPTIONS
+        measurements=measurements, what_it_is=MEANINGS, forces=FORCES, captions=CAPTIONS
     )
 
 

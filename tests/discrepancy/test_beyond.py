@@ -12,7 +12,7 @@ from tests.discrepancy.made import ANGLE, NOISE, changed, diagnosed, names, reco
 
 SHAPES = {
     "wide in the middle": lambda u: 6.0 * np.cos(np.pi * u / 110.0) ** 4,
-    "wider towards one end": lambda u: 2.0 + 4.0 * (u + 55.0) / 110.0,
+    "wide at one end": lambda u: 1.0 + 5.0 * ((u + 55.0) / 110.0) ** 4,
     "wide beyond an edge": lambda u: 1.0 + 5.0 / (1.0 + np.exp(-(u - 10.0) / 6.0)),
 }
 

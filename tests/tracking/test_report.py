@@ -27,7 +27,7 @@ from pipeline.discrepancy.model.result import (
 )
 from pipeline.discrepancy.noise.noise import NoiseModel
 from pipeline.physics.backlash import play
-from pipeline.physics.catalogue import MEANINGS
+from pipeline.physics.catalogue import FORCES, MEANINGS
 from pipeline.physics.mechanism import Mechanism
 from pipeline.physics.motion import Motion
 from pipeline.recording import Channel, Recording
@@ -118,7 +118,10 @@ class Page(HTMLParser):
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     where = tmp_path_factory.mktemp("run")
-    both = [diagnosis(), diagnosis("explained", "yaw_angle_deg")]
+    unforced = replace(
+        diagnosis("explained", "yaw_angle_deg"), not_excited=("coupling", *sorted(FORCES))
+    )
+    both = [diagnosis(), unforced]
     write_report(where, both, [evidence(), evidence("yaw_angle_deg")], [COMMANDS, None])
     return where
 
@@ -126,6 +129,13 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def page(folder: Path) -> Page:
     return Page((folder / "report.html").read_text(encoding="utf-8"))
+
+
+def test_what_shows_only_in_a_force_stands_apart(page: Page) -> None:
+    """It's no fault of a recording of angles that it has no inertia."""
+    assert page.words.count("These show only where a force or torque is measured") == 1
+    for kept in page.words.split("This recording could not have shown these")[1:]:
+        assert kept.split("What to do next")[0].split("These show only")[0].endswith("coupling ")
 
 
 def test_the_page_is_one_file_that_asks_for_nothing(folder: Path, page: Page) -> None:
