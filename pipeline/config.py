@@ -168,6 +168,11 @@ class StepRuleConfig:
 
 @dataclass
 class ArmijoConfig(StepRuleConfig):
+    """The first step size, by how much it shrinks, and the share of the slope to be gained.
+
+    See `pipeline.control.step_rules.armijo.Armijo`.
+    """
+
     name: str = "armijo"
     initial: float = 1.0
     shrink: float = 0.5
@@ -176,12 +181,16 @@ class ArmijoConfig(StepRuleConfig):
 
 @dataclass
 class ConstantConfig(StepRuleConfig):
+    """The one step size, see `pipeline.control.step_rules.constant.Constant`."""
+
     name: str = "constant"
     step: float = 0.5
 
 
 @dataclass
 class DiminishingConfig(StepRuleConfig):
+    """Step k is initial / k^power, see `pipeline.control.step_rules.diminishing.Diminishing`."""
+
     name: str = "diminishing"
     initial: float = 1.5
     power: float = 0.5
@@ -189,12 +198,16 @@ class DiminishingConfig(StepRuleConfig):
 
 @dataclass
 class BarzilaiBorweinConfig(StepRuleConfig):
+    """The first step size; later ones follow from the search, `barzilai_borwein` says how."""
+
     name: str = "barzilai_borwein"
     initial: float = 0.5
 
 
 @dataclass
 class NewtonConfig(StepRuleConfig):
+    """Nothing to set: the slope of the branch gives the step, see `step_rules.newton.Newton`."""
+
     name: str = "newton"
 
 

@@ -28,7 +28,8 @@ def explain(error: BaseException) -> str:
         message = f"{message}\n{did_you_mean(option.group(2), there)}".rstrip()
     extra = re.search(r"Could not find 'hydra/launcher/(?:submitit_)?(slurm|ray)'", message)
     if extra:
-        message += f"\nIt comes with an extra, from the project's folder: pip install '.[{extra.group(1)}]'."
+        message += "\nIt comes with an extra; say in the folder of the project: "
+        message += f"pip install '.[{extra.group(1)}]'."
     if str(text).splitlines()[0] not in message:
         message += f"\n{text}"
     return message if key is None else f"{message}\n{_what_it_may_be(Config, key.split('.'))}"

@@ -56,12 +56,14 @@ Draw = Callable[[np.random.Generator, Motion, Plant], Effect]
 
 
 def lost_steps(rng: np.random.Generator, motion: Motion, plant: Plant) -> Effect:
+    """The drive slips once, either way, at a random sample of the second to the eighth cycle."""
     sample = int(rng.integers(230, 1580))
     sign = float(rng.choice([-1.0, 1.0]))
     return Effect("lost_steps", {"slip_deg": sign, "slip_sample": sample}, ("slip_deg",), 30.0)
 
 
 def transmission_ripple(rng: np.random.Generator, motion: Motion, plant: Plant) -> Effect:
+    """An uneven gear: a sine of the shaft's angle, with or without its overtone."""
     settings: Settings = {
         "mesh_deg": 1.0,
         "mesh_period_deg": float(np.exp(rng.uniform(np.log(7.0), np.log(45.0)))),
@@ -72,10 +74,12 @@ def transmission_ripple(rng: np.random.Generator, motion: Motion, plant: Plant) 
 
 
 def backlash(rng: np.random.Generator, motion: Motion, plant: Plant) -> Effect:
+    """A dead gap [deg] between gear and drum."""
     return Effect("backlash", {"clearance_deg": 1.0}, ("clearance_deg",), 30.0)
 
 
 def friction(rng: np.random.Generator, motion: Motion, plant: Plant) -> Effect:
+    """Wires that rub in their sheath: slip elements of many widths, some with a capstan."""
     low = float(rng.uniform(0.3, 1.5))
     settings: Settings = {
         "sheath_torque": WHOLE_TORQUE,
@@ -88,6 +92,7 @@ def friction(rng: np.random.Generator, motion: Motion, plant: Plant) -> Effect:
 
 
 def slack(rng: np.random.Generator, motion: Motion, plant: Plant) -> Effect:
+    """Wires with too little pretension that hang loose, some straightening bit by bit."""
     settings: Settings = {
         "pretension_deg": -1.0,
         "straightening_deg": float(rng.choice([0.0, rng.uniform(0.1, 0.3)])),
@@ -96,6 +101,7 @@ def slack(rng: np.random.Generator, motion: Motion, plant: Plant) -> Effect:
 
 
 def compliance(rng: np.random.Generator, motion: Motion, plant: Plant) -> Effect:
+    """Wires that are softer than simulated until they are stretched straight."""
     settings: Settings = {
         "pretension_deg": 0.0,
         "wire_softness": 1.0,
@@ -106,6 +112,7 @@ def compliance(rng: np.random.Generator, motion: Motion, plant: Plant) -> Effect
 
 
 def creep(rng: np.random.Generator, motion: Motion, plant: Plant) -> Effect:
+    """Wires that go on stretching under load, with one dashpot or two."""
     settings: Settings = {
         "dashpot_share": 1.0,
         "dashpot_s": float(np.exp(rng.uniform(np.log(8.0), np.log(120.0)))),
@@ -119,10 +126,12 @@ def creep(rng: np.random.Generator, motion: Motion, plant: Plant) -> Effect:
 
 
 def response_lag(rng: np.random.Generator, motion: Motion, plant: Plant) -> Effect:
+    """A viscous body: it follows its wires with a time constant [s]."""
     return Effect("response_lag", {"viscosity_s": 1.0}, ("viscosity_s",), 12.0)
 
 
 def tension_loss(rng: np.random.Generator, motion: Motion, plant: Plant) -> Effect:
+    """Play that grows with the way gone: from the start, ever more slowly, or later."""
     travel = float(np.abs(np.diff(motion.pitch_deg[motion.cycle < 9])).sum())
     kind = rng.choice(["steady", "steady", "settling", "late"])
     settings: Settings = {
@@ -138,11 +147,13 @@ def tension_loss(rng: np.random.Generator, motion: Motion, plant: Plant) -> Effe
 
 
 def gravity(rng: np.random.Generator, motion: Motion, plant: Plant) -> Effect:
+    """A weight on the joint, which is mounted at some angle [rad] to the vertical."""
     settings: Settings = {"weight": 1.0, "mounting_rad": float(rng.uniform(0.9, 2.2))}
     return Effect("gravity", settings, ("weight",), 900.0)
 
 
 def contact(rng: np.random.Generator, motion: Motion, plant: Plant) -> Effect:
+    """A soft pad in the way on one side, behind a skin in which its stiffness grows."""
     top = float(plant.nominal.angle_deg(np.abs(motion.pitch_deg).max()))
     settings: Settings = {
         "pad_stiffness": 1.0,
@@ -154,6 +165,7 @@ def contact(rng: np.random.Generator, motion: Motion, plant: Plant) -> Effect:
 
 
 def end_stop(rng: np.random.Generator, motion: Motion, plant: Plant) -> Effect:
+    """A hard stop on one side or both, before the farthest simulated angle."""
     top = float(plant.nominal.angle_deg(np.abs(motion.pitch_deg).max()))
     settings: Settings = {
         "stop_stiffness": float(WHOLE_TORQUE * rng.uniform(20.0, 80.0)),
@@ -165,12 +177,14 @@ def end_stop(rng: np.random.Generator, motion: Motion, plant: Plant) -> Effect:
 
 
 def coupling(rng: np.random.Generator, motion: Motion, plant: Plant) -> Effect:
+    """The other axis's wires pull at the joint, in proportion to its way or unevenly."""
     even = float(rng.choice([0.0, rng.uniform(-0.3, 0.3)]))
     settings: Settings = {"other_lever": 1.0, "other_lever_even": even}
     return Effect("coupling", settings, ("other_lever", "other_lever_even"), 0.5)
 
 
 def camera_tilt(rng: np.random.Generator, motion: Motion, plant: Plant) -> Effect:
+    """A camera that does not look squarely at the plane of motion, in perspective."""
     settings: Settings = {
         "tilt_deg": 1.0,
         "tilt_axis_deg": float(rng.uniform(0.0, 180.0)),
@@ -180,6 +194,7 @@ def camera_tilt(rng: np.random.Generator, motion: Motion, plant: Plant) -> Effec
 
 
 def lens_distortion(rng: np.random.Generator, motion: Motion, plant: Plant) -> Effect:
+    """A barrel or cushion of the lens, about a centre beside the picture's [mm]."""
     settings: Settings = {
         "barrel": float(rng.choice([-1.0, 1.0])),
         "centre_x_mm": float(rng.uniform(2.0, 6.0)),
@@ -196,6 +211,7 @@ def frame_lag(rng: np.random.Generator, motion: Motion, plant: Plant) -> Effect:
 
 
 def drift(rng: np.random.Generator, motion: Motion, plant: Plant) -> Effect:
+    """A zero that wanders over the recording: evenly, settling, or in stairs."""
     span = float(motion.time_s[motion.cycle < 9][-1])
     settings: Settings = {
         "wander_deg": float(rng.choice([-1.0, 1.0])),

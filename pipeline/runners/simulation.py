@@ -100,7 +100,16 @@ def read_trace(path: str | None, measurements: list[str]) -> pd.DataFrame:
                 refusal(f"{path}, column {name!r}, row {text[0]} (from 0)", "a number",
                         repr(str(table[name].iloc[text[0]])), "Correct it or leave it empty.")
             )  # fmt: skip
-    time_s = numbers["time_s"].to_numpy(float)
+    _refuse_falling(path, numbers["time_s"].to_numpy(float))
+    for name in measurements:
+        if np.isfinite(numbers[name].to_numpy(float)).sum() < 2:
+            raise LoopgapError(
+                refusal(f"{path}, column {name!r}", "numbers", "fewer than two", "Correct it.")
+            )
+    return numbers
+
+
+def _refuse_falling(path: str, time_s: np.ndarray) -> None:
     if len(time_s) < 2:
         raise LoopgapError(
             refusal(path, "at least two rows", str(len(time_s)), "Give the whole trace.")
@@ -110,14 +119,8 @@ def read_trace(path: str | None, measurements: list[str]) -> pd.DataFrame:
         k = int(falls[0])
         raise LoopgapError(
             refusal(f"{path}, column 'time_s', row {k + 1} (from 0)", "rising numbers",
-                    f"{time_s[k + 1]:g} after {time_s[k]:g}", "Sort the rows, and leave none empty.")
+                    f"{time_s[k + 1]:g} after {time_s[k]:g}", "Sort the rows; leave none empty.")
         )  # fmt: skip
-    for name in measurements:
-        if np.isfinite(numbers[name].to_numpy(float)).sum() < 2:
-            raise LoopgapError(
-                refusal(f"{path}, column {name!r}", "numbers", "fewer than two", "Correct it.")
-            )
-    return numbers
 
 
 def read_axes(path: str) -> dict[str, SimulatedAxis]:

@@ -188,6 +188,9 @@ def test_a_trace_says_what_it_bridges_and_holds_numbers(tmp_path, capsys):
     table.astype(object).replace({"time_s": {7.0: "seven"}}).to_csv(file, index=False)
     with pytest.raises(LoopgapError, match=r"column 'time_s', row 7 .*a number; found 'seven'"):
         with_simulation(config, a_recording())
+    table.replace({"time_s": {7.0: 5.5}}).to_csv(file, index=False)
+    with pytest.raises(LoopgapError, match=r"row 7 .*: expected rising numbers; found 5.5 after 6"):
+        with_simulation(config, a_recording())
     table.assign(time_s=1000.0 * table["time_s"]).to_csv(file, index=False)
     with pytest.raises(LoopgapError, match=r"10 samples within 0 to 59 s; found 1, its times go"):
         with_simulation(config, a_recording())
