@@ -23,6 +23,11 @@ def read_sample_table(folder: Path) -> tuple[Path, pd.DataFrame]:
         else:
             columns = _checked_head(path)
             samples = pd.read_csv(path, skipinitialspace=True, encoding="utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise RecordingError(
+            refusal(str(path), "text in UTF-8", f"byte {error.object[error.start]:#04x} at "
+                    f"{error.start}", "Save it as UTF-8, or import it: stages=[importing,...].")
+        ) from error  # fmt: skip
     except (OSError, ValueError, csv.Error) as error:
         raise RecordingError(
             refusal(str(path), "a table of samples", f"{error}", "Write the file anew.")

@@ -262,6 +262,14 @@ def test_a_file_that_is_no_table(tmp_path, text, words):
         load_recording(folder)
 
 
+def test_a_table_in_another_encoding(tmp_path):
+    folder = written(tmp_path)
+    text = (folder / "samples.csv").read_text()
+    (folder / "samples.csv").write_bytes(text.encode("utf-16"))
+    with pytest.raises(RecordingError, match="text in UTF-8; found byte 0xff at 0. Save it as UTF"):
+        load_recording(folder)
+
+
 def test_a_time_that_stands_still(tmp_path):
     folder = written(tmp_path)
     samples = pd.read_csv(folder / "samples.csv").assign(time_s=2.0)
