@@ -7,12 +7,12 @@ from pipeline.physics.backlash import Backlash
 from pipeline.physics.camera_tilt import CameraTilt
 from pipeline.physics.capstan_friction import CapstanFriction
 from pipeline.physics.coasting_play import CoastingPlay
-from pipeline.physics.compliance import Compliance
 from pipeline.physics.contact import Contact
 from pipeline.physics.coulomb_friction import CoulombFriction
 from pipeline.physics.coupling import DIRECT, Coupling
 from pipeline.physics.creep import Creep
 from pipeline.physics.drift import Drift
+from pipeline.physics.driven_stretch import DrivenStretch
 from pipeline.physics.end_stop import EndStop
 from pipeline.physics.force_contact import ForceContact
 from pipeline.physics.force_lag import ForceLag
@@ -28,6 +28,9 @@ from pipeline.physics.response_lag import ResponseLag
 from pipeline.physics.sheath_force import SheathForce
 from pipeline.physics.sheath_stretch import SheathStretch
 from pipeline.physics.slack import Slack
+from pipeline.physics.soft_wire import SoftWire
+from pipeline.physics.softer_side import SofterSide
+from pipeline.physics.stiffening_joint import StiffeningJoint
 from pipeline.physics.stiffness import Stiffness
 from pipeline.physics.stribeck_friction import StribeckFriction
 from pipeline.physics.tension_loss import TensionLoss
@@ -36,7 +39,7 @@ from pipeline.physics.transmission_ripple import TransmissionRipple
 from pipeline.physics.viscous_friction import ViscousFriction
 from pipeline.physics.worn_play import WornPlay
 
-BEND, BENDING, RISING = "bend", LensDistortion("second"), Compliance("progressive")
+BEND, BENDING, RISING = "bend", LensDistortion("second"), StiffeningJoint("progressive")
 SHEATH_FORCES = tuple(SheathForce(f) for f in ("near", "far", "near falling", "far falling"))
 PRESSED = tuple(
     CoulombFriction(form)
@@ -49,7 +52,7 @@ PRESSED = tuple(
     )
 )
 SPRUNG, LATE, WORN = ViscousFriction("sprung"), ForceLag(), WornPlay()
-UNEVEN = (Compliance("upper"), Compliance("lower"))
+UNEVEN = (SofterSide("upper"), SofterSide("lower"))
 
 
 def terms(other_commands: Iterable[str] = ()) -> tuple[Term, ...]:
@@ -70,10 +73,10 @@ def terms(other_commands: Iterable[str] = ()) -> tuple[Term, ...]:
         SheathStretch(),
         Slack("home"),
         Slack(),
-        Compliance("wire"),
-        Compliance("off home"),
-        Compliance("driven"),
-        Compliance("joint"),
+        SoftWire("wire"),
+        SoftWire("off home"),
+        DrivenStretch(),
+        StiffeningJoint(),
         Creep(),
         Creep("whole"),
         Creep("running"),

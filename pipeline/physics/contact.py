@@ -6,9 +6,9 @@ from typing import ClassVar
 import numpy as np
 
 from pipeline.physics.balance import Load
-from pipeline.physics.compliance import Compliance
 from pipeline.physics.end_stop import EndStop
 from pipeline.physics.motion import Motion
+from pipeline.physics.softer_side import SofterSide
 from pipeline.physics.term import Parameter, Surroundings, Term, Told
 
 STIFFEST, GRADUALLY, WIDER = 6.0, 0.99, 1.5
@@ -74,7 +74,7 @@ class Contact(Term):
         skin = self.parameters(around)[2].high
         if values[2] >= GRADUALLY * skin:
             side = SIDES[0] if self.side > 0.0 else SIDES[1]
-            return [[(Compliance(side), np.array([*values[:2], WIDER * values[2]]))]]
+            return [[(SofterSide(side), np.array([*values[:2], WIDER * values[2]]))]]
         if not self.limit(values):
             return ()
         stop = EndStop("upper" if self.side > 0.0 else "lower")

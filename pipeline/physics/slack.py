@@ -8,6 +8,7 @@ import numpy as np
 from pipeline.physics.balance import Load
 from pipeline.physics.compliance import Compliance
 from pipeline.physics.motion import Motion
+from pipeline.physics.soft_wire import SoftWire
 from pipeline.physics.term import Parameter, Shown, Surroundings, Term, Told
 
 HOME, BEHIND = "home", "behind"
@@ -81,7 +82,7 @@ class Slack(Term):
         pull = slope * rounding * (np.log(2.0) - np.log1p(np.exp(-width / rounding)))
         softness = 2.0 * own * (1.0 - left) / left
         toe = [softness, pull / (2.0 * own * np.log(2.0)), own, 2.0 * own]
-        return [[(Compliance("toe"), np.array(toe))]]
+        return [[(SoftWire("toe"), np.array(toe))]]
 
     def excited(self, motion: Motion, around: Surroundings) -> bool:
         """Form "home" where the drive passes 0."""

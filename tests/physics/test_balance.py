@@ -7,7 +7,6 @@ import pytest
 from scipy.optimize import brentq
 
 from pipeline.physics.backlash import Backlash
-from pipeline.physics.compliance import Compliance
 from pipeline.physics.contact import Contact
 from pipeline.physics.coupling import Coupling
 from pipeline.physics.creep import Creep
@@ -19,6 +18,7 @@ from pipeline.physics.mechanism import Mechanism, Piece
 from pipeline.physics.motion import Motion
 from pipeline.physics.response_lag import ResponseLag
 from pipeline.physics.slack import Slack
+from pipeline.physics.soft_wire import SoftWire
 from pipeline.physics.term import Surroundings
 from pipeline.physics.transmission_ripple import TransmissionRipple
 from tests.physics.test_terms import triangle
@@ -180,7 +180,7 @@ def test_a_sampled_curve_follows_its_samples_and_goes_on_straight():
         (Piece(Creep(), np.array([0.2, 9.0])), Piece(Friction(), np.array([5.0, 4, 0.7])), 1e-3),
         (
             Piece(Creep(), np.array([0.2, 9])),
-            Piece(Compliance(), np.array([0.3, 10, 0.1, 1])),
+            Piece(SoftWire(), np.array([0.3, 10, 0.1, 1])),
             1e-3,
         ),
         (Piece(Creep(), np.array([0.1, 60])), Piece(Slack(), np.array([12, 0, 0.3, 0.02])), 1e-3),
@@ -287,7 +287,7 @@ def test_another_axis_pulls_the_wires_of_a_curved_joint():
 def test_a_wire_with_a_toe_is_soft_at_first_and_hardens_with_its_stretch():
     softness, reach, stretch, stiffness = values = np.array([0.4, 12.0, 0.05, 0.1])
     motion = line(-40.0, 40.0, 8001)
-    theta = answer(motion, Piece(Compliance("toe"), values))
+    theta = answer(motion, Piece(SoftWire("toe"), values))
     slope = np.gradient(motion.drive, theta) - 1.0 - stretch
     assert slope[4000] == pytest.approx(softness, rel=1e-3)
     assert np.interp(reach * np.log(2.0), theta, slope) == pytest.approx(softness / 2, rel=1e-3)
@@ -304,7 +304,7 @@ def test_a_wire_with_a_toe_is_soft_at_first_and_hardens_with_its_stretch():
 
 def test_a_wire_that_hung_slack_has_its_toe_beyond():
     motion, slack = line(-40.0, 40.0, 81), Piece(Slack(), np.array([20.0, 0.0, 0.05, 0.1]))
-    toe = Piece(Compliance("toe"), np.array([0.4, 6.0, 0.0, 0.1]))
+    toe = Piece(SoftWire("toe"), np.array([0.4, 6.0, 0.0, 0.1]))
     both, alone = answer(motion, slack, toe), answer(motion, toe)
     np.testing.assert_allclose(both[35:46], 0.0, atol=0.02)
     np.testing.assert_allclose(both[51:], alone[41:71], atol=0.02)

@@ -7,6 +7,8 @@ from pipeline.physics.compliance import Compliance
 from pipeline.physics.contact import Contact
 from pipeline.physics.mechanism import Mechanism, Piece
 from pipeline.physics.motion import Motion
+from pipeline.physics.softer_side import SofterSide
+from pipeline.physics.stiffening_joint import StiffeningJoint
 from pipeline.physics.term import Surroundings
 
 AROUND = Surroundings()
@@ -20,14 +22,14 @@ def asked(angle: np.ndarray, term: Compliance, *values: float) -> np.ndarray:
 
 def test_a_progressive_joint_stiffens_in_proportion_to_its_bend():
     drive = np.linspace(-40.0, 40.0, 801)
-    theta = asked(drive, Compliance("progressive"), 0.006, 0.1, 0.01)
+    theta = asked(drive, StiffeningJoint("progressive"), 0.006, 0.1, 0.01)
     np.testing.assert_allclose(1.1 * theta + 0.006 * theta * np.abs(theta), drive, atol=1e-3)
 
 
 @pytest.mark.parametrize(("form", "side"), [("upper", 1.0), ("lower", -1.0)])
 def test_the_softer_of_two_wires_takes_over_gradually(form, side):
     drive = np.linspace(-40.0, 40.0, 801)
-    theta = asked(drive, Compliance(form), 0.3, 2.0, 6.0)
+    theta = asked(drive, SofterSide(form), 0.3, 2.0, 6.0)
     lost = side * 0.3 * 6.0 * np.log1p(np.exp(side * (theta - 2.0) / 6.0))
     np.testing.assert_allclose(theta + lost, drive, atol=1e-5)
 

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from pipeline.physics import balance as at_joint
-from pipeline.physics.compliance import Compliance
 from pipeline.physics.contact import Contact
 from pipeline.physics.coupling import Coupling
 from pipeline.physics.creep import Creep
@@ -17,13 +16,15 @@ from pipeline.physics.mechanism import Mechanism, Piece
 from pipeline.physics.memoryless import FEWEST
 from pipeline.physics.motion import Motion
 from pipeline.physics.slack import Slack
+from pipeline.physics.soft_wire import SoftWire
+from pipeline.physics.stiffening_joint import StiffeningJoint
 from pipeline.physics.tabled import FAR
 from pipeline.physics.term import Surroundings
 
 AROUND = Surroundings(drive_low=-60.0, drive_span=120.0, angle_low=-60.0, angle_span=120.0)
 TERMS = (
     EndStop("upper"), EndStop("lower"), Contact("upper"), Contact("lower unloading"), Slack(),
-    Gravity(), Gravity("unloading"), Compliance(), Compliance("toe"), Compliance("joint"),
+    Gravity(), Gravity("unloading"), SoftWire(), SoftWire("toe"), StiffeningJoint(),
     Coupling("yaw"),
 )  # fmt: skip
 
@@ -97,7 +98,7 @@ def test_where_nothing_touches_a_joint_it_is_as_if_nothing_could():
         [Piece(Gravity("unloading"), np.array([14.0, 2.1, 5.0]))],
         [
             Piece(Contact("lower unloading"), np.array([2.0, -10.0, 0.12, 3.0])),
-            Piece(Compliance("toe"), np.array([0.6, 2.0, 0.1, 0.05])),
+            Piece(SoftWire("toe"), np.array([0.6, 2.0, 0.1, 0.05])),
             Piece(Coupling("yaw"), np.array([3.0, 0.0])),
         ],
     ],
@@ -141,7 +142,7 @@ def test_what_may_have_two_answers_or_remembers_goes_one_by_one(monkeypatch):
 
 def test_newtons_method_does_not_go_to_and_fro_for_ever(monkeypatch):
     """An S-shaped balance, on which it hops between two angles on both sides of the answer."""
-    wire = Piece(Compliance("toe"), np.array([0.5103, 109.19, 0.0111, 0.01076]))
+    wire = Piece(SoftWire("toe"), np.array([0.5103, 109.19, 0.0111, 0.01076]))
     touch = Piece(Contact("upper unloading"), np.array([0.5479, 55.71, 1.598, 20.65]))
     drive = np.array([0.0, 100.0, -60.0, 95.0, 0.0, 85.0])
     motion = Motion(drive, np.arange(6.0), np.zeros(6, dtype=np.int64))
