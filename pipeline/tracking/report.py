@@ -19,6 +19,8 @@ from pipeline.tracking.diagnosis_figures import diagnosis_figures, overview_figu
 from pipeline.tracking.figures import save_figure
 from pipeline.tracking.review import DiagnosisReview, write_diagnosis_review
 
+NOT_SHOWN = "This recording could not have shown these, whether or not they are there:"
+NO_FORCE = "These show only where a force or torque is measured against the position:"
 TEMPLATE = "report.html.jinja"
 PAGE_COLOURS = {
     "#6E6E6E": "var(--measured)",
@@ -99,11 +101,11 @@ def page(measurements: Sequence[Mapping[str, Any]]) -> str:
     environment.filters |= {
         "said": words.said, "number": words.number, "percent": words.percent,
         "chance": words.chance, "coordinate": words.coordinate, "sentence": words.sentence,
-        "spoken": spoken, "placed": words.placed, "set": set,
+        "spoken": spoken, "placed": words.placed,
     }  # fmt: skip
     text = resources.files("pipeline.tracking").joinpath("templates", TEMPLATE).read_text("utf-8")
     return environment.from_string(text).render(
-        measurements=measurements, what_it_is=MEANINGS, forces=FORCES, captions=CAPTIONS
+        measurements=measurements, what_it_is=MEANINGS, captions=CAPTIONS
     )
 
 
@@ -126,7 +128,15 @@ def _measurement(
         "pictures": pictures,
         "located": located,
         "silent": [e.coordinate for e in evidence.located if e.where is None],
+        "not_shown": _not_shown(diagnosis.not_excited),
         "hypotheses": evidence.hypotheses,
         "samples": int(np.sum(evidence.used)),
         "heldout": int(np.sum(evidence.heldout & evidence.used)),
     }
+
+
+def _not_shown(names: Sequence[str]) -> list[tuple[str, list[str]]]:
+    """Names that a recording could not have shown, under a sentence on why."""
+    forces = FORCES if set(names) >= FORCES else set()
+    parts = ((NOT_SHOWN, [n for n in names if n not in forces]), (NO_FORCE, sorted(forces)))
+    return [(told, those) for told, those in parts if those]

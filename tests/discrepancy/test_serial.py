@@ -1,3 +1,5 @@
+from pathlib import Path
+
 import numpy as np
 import pytest
 from scipy.signal import lfilter
@@ -49,3 +51,11 @@ def test_a_basis_leaves_out_what_is_there_already() -> None:
     assert orthonormal(columns).shape == (6, 2)
     left = without(columns, orthonormal(columns[:, :1]))
     assert orthonormal(left, lengths(columns)).shape == (6, 1)
+
+
+def test_columns_on_which_divide_and_conquer_fails_have_a_basis() -> None:
+    """Columns of a real location, all but for a rotation: many squares alike, some near zero."""
+    columns = np.load(Path(__file__).with_name("columns_much_alike.npy"))
+    basis = orthonormal(columns, np.ones(columns.shape[1]))
+    assert basis.T @ basis == pytest.approx(np.eye(basis.shape[1]), abs=1e-6)
+    assert np.abs(without(columns, basis)).max() < 1e-3

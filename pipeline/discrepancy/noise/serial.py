@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numba import njit
+from scipy.linalg import eigh
 from scipy.optimize import minimize
 
 TOLERANCE = 1e-8
@@ -86,7 +87,7 @@ def orthonormal(columns: np.ndarray, length: np.ndarray | None = None) -> np.nda
     if length is None:
         length = lengths(columns)
     kept = columns[:, length > 0.0] / length[length > 0.0]
-    values, vectors = np.linalg.eigh(kept.T @ kept)
+    values, vectors = eigh(kept.T @ kept, driver="ev")  # divide and conquer fails on some
     strong = values > TOLERANCE
     return kept @ (vectors[:, strong] / np.sqrt(values[strong]))
 
