@@ -8,7 +8,7 @@ from pipeline.number_words import worded
 from pipeline.physics.motion import Motion
 from pipeline.physics.term import NO_STATE, Parameter, Surroundings, Term
 
-MOMENTS = 600
+MOMENTS = 150
 JUMP_2 = 2
 
 

@@ -5,7 +5,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.signal import lfilter
 
 from pipeline.discrepancy.fitting.fit import evaluate, improve
 from pipeline.discrepancy.noise.family import WHITE
@@ -13,15 +12,7 @@ from pipeline.physics.catalogue import term
 from pipeline.physics.creep import Creep
 from pipeline.physics.mechanism import Piece
 from pipeline.physics.term import Surroundings, values_of
-from tests.discrepancy.made import (
-    ANGLE,
-    SIMULATED,
-    changed,
-    diagnosed,
-    explained,
-    names,
-    recorded,
-)
+from tests.discrepancy.made import ANGLE, SIMULATED, explained, recorded
 
 WITHIN = 3.0
 
@@ -117,12 +108,3 @@ def test_a_settling_zero_is_no_second_time_of_a_creep():
     assert Creep("two").slight(slower, around)
     assert not Creep("two").slight(slower - [0.0, 0.0, 0.0, 2.0], around)
     assert not Creep("two").slight(slower, replace(around, cycles=1))
-
-
-def test_a_slip_in_strongly_correlated_noise_gains_at_its_own_sample_alone():
-    plain = recorded({}, noise=0.04, seed=1, cycles=15)
-    row = np.arange(len(plain.samples))
-    driven = np.random.default_rng(1).standard_normal(len(row) + 200)
-    slow = lfilter([np.sqrt(1.0 - 0.95**2)], [1.0, -0.95], driven)[200:]
-    slipped = plain.values(ANGLE) + 0.16 * slow - 0.5 * (row >= 937)
-    assert names(diagnosed(changed(plain, **{ANGLE: slipped}))) == {"lost_steps"}
