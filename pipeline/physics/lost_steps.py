@@ -56,11 +56,14 @@ class LostSteps(Term):
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
         rows = np.unique(np.linspace(4, len(motion) - 5, MOMENTS).astype(int))
-        times, size = motion.time_s[rows] - 1e-6, 0.01 * around.drive_span
+        return self.at_moments(motion.time_s[rows] - 1e-6, around)
+
+    def at_moments(self, times_s: np.ndarray, around: Surroundings) -> np.ndarray:
+        size = 0.01 * around.drive_span
         if self.form == "once":
-            return np.column_stack([np.full(len(rows), size), times])
-        first = [size, float(times[len(times) // 2])]
-        return np.array([[*first, size, t] for t in times])
+            return np.column_stack([np.full(len(times_s), size), times_s])
+        first = [size, 0.5 * (around.start_s + around.end_s)]
+        return np.array([[*first, size, t] for t in times_s])
 
     def excited(self, motion: Motion, around: Surroundings) -> bool:
         return len(motion) > 20

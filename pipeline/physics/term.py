@@ -192,6 +192,10 @@ class Term:
         """Parameter sets to begin a search from, shape (k, p); non-smooth terms give a grid."""
         return np.array([[p.start for p in self.parameters(around)]])
 
+    def at_moments(self, times_s: np.ndarray, around: Surroundings) -> np.ndarray:
+        """Parameter sets (k, p) of a term that acts at moments: at these, (m,) [s]."""
+        return np.zeros(0)
+
     def scaled(self, values: np.ndarray, factor: float) -> np.ndarray:
         """Parameters of about `factor` times the effect; the first one is the size unless said."""
         out = values.copy()

@@ -103,7 +103,8 @@ def test_teeth_that_seat_and_snap_over_leave_no_rest():
     assert result.diagnoses[0].verdict == "explained"
 
 
-def test_one_edge_each_way_is_no_ripple():
+@pytest.mark.parametrize("seed", [5, 17])
+def test_one_edge_each_way_is_no_ripple_nor_a_pile_of_names(seed):
     def snapped(command):
         out, side = np.empty(len(command)), -1.0
         for i, u in enumerate(command):
@@ -111,7 +112,10 @@ def test_one_edge_each_way_is_no_ripple():
             out[i] = side
         return out
 
-    assert "transmission_ripple" not in names(diagnosed(with_wave(snapped, seed=5)))
+    result = diagnosed(with_wave(snapped, seed))
+    assert "transmission_ripple" not in names(result)
+    assert len(names(result)) <= 1
+    assert result.diagnoses[0].verdict in ("unknown_physics", "partly_explained")
 
 
 def test_friction_and_creep_of_one_dwell_list_each_other():

@@ -8,7 +8,7 @@ import pytest
 from pipeline.config import DiagnosisConfig, ToleranceConfig
 from pipeline.discrepancy.fitting.charge import VOID, absurd_calibration, complexity
 from pipeline.discrepancy.fitting.fit import evaluate, ground_of, improve, jacobian
-from pipeline.discrepancy.fitting.screen import effects_of
+from pipeline.discrepancy.fitting.screen import effects_of, screen
 from pipeline.discrepancy.model.intervals import covariance_of, estimates, wide_covariance
 from pipeline.discrepancy.noise.family import noise_family
 from pipeline.discrepancy.noise.learning import learn_noise
@@ -19,7 +19,7 @@ from pipeline.discrepancy.problem.thinning import sparser, thinned
 from pipeline.discrepancy.search.explain import explain
 from pipeline.physics.catalogue import term
 from pipeline.physics.mechanism import Piece
-from tests.discrepancy.made import NOISE, posed, recorded
+from tests.discrepancy.made import ANGLE, NOISE, changed, posed, recorded
 
 HIDDEN = {"backlash": {"width": 4.0}, "transmission_ripple": {"amplitude": 1.0, "period": 20.0}}
 BEGUN = (
@@ -60,6 +60,18 @@ def test_a_ripple_behind_a_late_answer_is_screened_at_its_period():
     kept = effects.promising(fit, [ripple], 4)
     assert len(kept) == 16 < len(effects.places) / 5
     assert min(abs(values[1] - 20.0) for _, values in kept) < 1.0
+
+
+def test_a_slip_in_strongly_correlated_noise_is_screened_at_its_own_sample():
+    plain, slip = recorded({}, cycles=15, noise=0.02), term("lost_steps")
+    time_s = plain.values("time_s")
+    tried_s = np.array([v[1] for _, v in effects_of(posed(plain), [slip]).places])
+    row = int(np.argmax([np.min(np.abs(tried_s - t)) for t in time_s[20:-20]])) + 20
+    slipped = changed(plain, **{ANGLE: plain.values(ANGLE) + 2.0 * (time_s >= time_s[row])})
+    problem = posed(slipped)
+    fit = evaluate(ground_of(problem, NoiseModel(0.02, 0.5, 0.98), problem.train), ())
+    (best, *_) = screen(fit, effects_of(problem, [slip]), [slip])
+    assert time_s[row - 1] < best.values[1] <= time_s[row]
 
 
 def test_a_slip_before_the_first_fitted_sample_explains_nothing():

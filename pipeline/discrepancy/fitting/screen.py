@@ -15,6 +15,7 @@ from pipeline.recording import branch_of
 SCALES = (0.01, 8.0)
 PROMISING = 4
 PERIOD = 1
+SURPRISING = 3
 
 
 @dataclass(frozen=True)
@@ -105,7 +106,7 @@ def late(fit: Fit) -> list[Piece]:
 def screen(fit: Fit, effects: Effects, terms: Sequence[Term], starts: int = 3) -> list[Lead]:
     """The `starts` best candidates of each term beside a fit, best first."""
     ground = fit.ground
-    places = effects.promising(fit, terms, PROMISING)
+    places = effects.promising(fit, terms, PROMISING) + sudden(fit, terms)
     if not places:
         return []
     columns = np.empty((len(places), len(fit.trace.seen)))
@@ -120,6 +121,19 @@ def screen(fit: Fit, effects: Effects, terms: Sequence[Term], starts: int = 3) -
             best.setdefault((term.name, term.form), []).append(Lead(term, scaled, gain))
     leads = [lead for few in best.values() for lead in sorted(few, key=lambda x: -x.gain)[:starts]]
     return sorted(leads, key=lambda lead: -lead.gain)
+
+
+def sudden(fit: Fit, terms: Sequence[Term]) -> list[tuple[Term, np.ndarray]]:
+    """Candidates of terms that act at a moment, at the samples that surprise a fit most.
+
+    In noise that is strongly correlated a jump surprises at its own sample and nowhere else, so
+    that no grid of moments meets it.
+    """
+    ground = fit.ground
+    time_s = ground.problem.motion.time_s[ground.used]
+    last = np.argsort(np.abs(fit.innovations[1:]))[::-1][:SURPRISING]
+    moments_s = 0.5 * (time_s[last] + time_s[last + 1])
+    return [(t, v) for t in terms for v in t.at_moments(moments_s, ground.problem.around)]
 
 
 def gains_of(

@@ -16,13 +16,13 @@ from pipeline.discrepancy.judgement.swinging import swings
 from pipeline.discrepancy.noise.family import WALKS, Place
 from pipeline.discrepancy.noise.learning import FINEST
 from pipeline.discrepancy.noise.noise import NoiseModel
-from pipeline.discrepancy.search.choose import Choice
+from pipeline.discrepancy.search.choose import MOST_TERMS, Choice, names
 from pipeline.discrepancy.search.explain import Explanation
 from pipeline.number_words import worded
 from pipeline.recording import branch_of
 
 CHANCE, SELDOM = 1e-5, 1e-3
-SMALLEST_SIZE, REPEATED = 0.2, 0.5
+SMALLEST_SIZE, REPEATED, OF_PILE = 0.2, 0.5, 0.25
 SLOW_CORRELATION = 0.87
 LOUD, ROUNDED = 0.1, 1.1
 LEAST_ALIKE, AGAIN = 0.2, "what comes again where the motion does"
@@ -148,9 +148,14 @@ def coming_again(again: Alike, choice: Choice) -> Sign | None:
 
 
 def of_repeats(explanation: Explanation, choice: Choice) -> Sign | None:
-    """What cycles surely have in common at each step, where it is not much less than the noise."""
+    """What cycles surely have in common at each step, where it is not much less than the noise.
+
+    As many names as a search takes may be a pile that mops up what has no name: of that less may be
+    left.
+    """
     again = repeated_rest(choice, explanation.prior)
-    if again.p_value < CHANCE and again.size > REPEATED * choice.fit.ground.noise.deviation:
+    least = OF_PILE if len(names(choice)) >= MOST_TERMS else REPEATED
+    if again.p_value < CHANCE and again.size > least * choice.fit.ground.noise.deviation:
         return Sign(again.where, again.size, again.p_value)
     return None
 

@@ -9,7 +9,7 @@ from pipeline.discrepancy.fitting.charge import absurd_calibration
 from pipeline.discrepancy.fitting.fit import evaluate, improve
 from pipeline.discrepancy.judgement.rest import structured_rest
 from pipeline.discrepancy.judgement.structure import mismatch_variance, structure_of
-from pipeline.discrepancy.search.choose import Choice, names, wanders
+from pipeline.discrepancy.search.choose import MOST_TERMS, Choice, names, wanders
 from pipeline.discrepancy.search.explain import Explanation
 from pipeline.discrepancy.search.pressed import plainer
 
@@ -72,9 +72,9 @@ def fewer(explanation: Explanation, choice: Choice) -> Choice:
     """At most one name where a structured rest shows that these terms only mop it up.
 
     Where that rest is less than a twentieth of the mismatch (RMS), all names stay that explain more
-    than they leave together: then it is the form of a term. Else the best single term stays if it
-    alone explains most of the mismatch, and nine tenths of its structure, which the noise that was
-    learnt from repeats may hide; otherwise none does.
+    than they leave together: then it is the form of a term, but not of as many as a search takes.
+    Else the best single term stays if it alone explains most of the mismatch, and nine tenths of
+    its structure, which the noise that was learnt from repeats may hide; otherwise none does.
     """
     if not choice.fit.pieces:
         return choice
@@ -84,7 +84,8 @@ def fewer(explanation: Explanation, choice: Choice) -> Choice:
     base = next(c for c in explanation.choices if not c.fit.pieces)
     noise = explanation.prior.model.deviation**2
     before = mean_square(explanation, base) - noise
-    if rest_of(choice, explanation) ** 2 < FORM_ERROR**2 * before:
+    pile = len(names(choice)) >= MOST_TERMS
+    if not pile and rest_of(choice, explanation) ** 2 < FORM_ERROR**2 * before:
         return weightier(explanation, choice, np.inf)
     single = min(singles(explanation, choice), key=lambda c: c.score)
     left = mean_square(explanation, single) - noise
