@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pipeline.discrepancy.fitting.fit import Fit, calibrated, parameters_of, respond_beside
+from pipeline.discrepancy.fitting.moments import moments
 from pipeline.discrepancy.noise.serial import orthonormal, without
 from pipeline.discrepancy.problem.problem import Problem
 from pipeline.physics.mechanism import Piece
@@ -129,11 +130,9 @@ def sudden(fit: Fit, terms: Sequence[Term]) -> list[tuple[Term, np.ndarray]]:
     In noise that is strongly correlated a jump surprises at its own sample and nowhere else, so
     that no grid of moments meets it.
     """
-    ground = fit.ground
-    time_s = ground.problem.motion.time_s[ground.used]
-    last = np.argsort(np.abs(fit.innovations[1:]))[::-1][:SURPRISING]
-    moments_s = 0.5 * (time_s[last] + time_s[last + 1])
-    return [(t, v) for t in terms for v in t.at_moments(moments_s, ground.problem.around)]
+    before = np.argsort(np.abs(fit.innovations[1:]))[::-1][:SURPRISING]
+    moments_s = moments(fit)[before]
+    return [(t, v) for t in terms for v in t.at_moments(moments_s, fit.ground.problem.around)]
 
 
 def gains_of(

@@ -16,7 +16,7 @@ from pipeline.discrepancy.judgement.swinging import swings
 from pipeline.discrepancy.noise.family import WALKS, Place
 from pipeline.discrepancy.noise.learning import FINEST
 from pipeline.discrepancy.noise.noise import NoiseModel
-from pipeline.discrepancy.search.choose import MOST_TERMS, Choice, names
+from pipeline.discrepancy.search.choose import Choice, piled
 from pipeline.discrepancy.search.explain import Explanation
 from pipeline.number_words import worded
 from pipeline.recording import branch_of
@@ -150,11 +150,10 @@ def coming_again(again: Alike, choice: Choice) -> Sign | None:
 def of_repeats(explanation: Explanation, choice: Choice) -> Sign | None:
     """What cycles surely have in common at each step, where it is not much less than the noise.
 
-    As many names as a search takes may be a pile that mops up what has no name: of that less may be
-    left.
+    A pile of names may leave less.
     """
     again = repeated_rest(choice, explanation.prior)
-    least = OF_PILE if len(names(choice)) >= MOST_TERMS else REPEATED
+    least = OF_PILE if piled(choice) else REPEATED
     if again.p_value < CHANCE and again.size > least * choice.fit.ground.noise.deviation:
         return Sign(again.where, again.size, again.p_value)
     return None

@@ -9,7 +9,7 @@ from pipeline.discrepancy.fitting.charge import absurd_calibration
 from pipeline.discrepancy.fitting.fit import evaluate, improve
 from pipeline.discrepancy.judgement.rest import structured_rest
 from pipeline.discrepancy.judgement.structure import mismatch_variance, structure_of
-from pipeline.discrepancy.search.choose import MOST_TERMS, Choice, names, wanders
+from pipeline.discrepancy.search.choose import Choice, names, piled, wanders
 from pipeline.discrepancy.search.explain import Explanation
 from pipeline.discrepancy.search.pressed import plainer
 
@@ -84,8 +84,7 @@ def fewer(explanation: Explanation, choice: Choice) -> Choice:
     base = next(c for c in explanation.choices if not c.fit.pieces)
     noise = explanation.prior.model.deviation**2
     before = mean_square(explanation, base) - noise
-    pile = len(names(choice)) >= MOST_TERMS
-    if not pile and rest_of(choice, explanation) ** 2 < FORM_ERROR**2 * before:
+    if not piled(choice) and rest_of(choice, explanation) ** 2 < FORM_ERROR**2 * before:
         return weightier(explanation, choice, np.inf)
     single = min(singles(explanation, choice), key=lambda c: c.score)
     left = mean_square(explanation, single) - noise

@@ -146,6 +146,11 @@ def names(choice: Choice) -> frozenset[str]:
     return frozenset(choice.fit.names)
 
 
+def piled(choice: Choice) -> bool:
+    """Whether a choice has as many names as a search takes: it may mop up what other names tell."""
+    return len(names(choice)) >= MOST_TERMS
+
+
 def by_names(choices: list[Choice]) -> list[Choice]:
     """The best choice of each set of names, in their order."""
     found: dict[frozenset[str], Choice] = {}

@@ -15,7 +15,6 @@ from pipeline.discrepancy.problem.thinning import sparser
 from pipeline.discrepancy.search.accuracy import within_accuracy
 from pipeline.discrepancy.search.alone import alone
 from pipeline.discrepancy.search.choose import (
-    MOST_TERMS,
     RIVAL_GAP,
     SAME,
     Choice,
@@ -25,7 +24,7 @@ from pipeline.discrepancy.search.choose import (
     choose,
     choose_again,
     extended,
-    names,
+    piled,
 )
 from pipeline.discrepancy.search.contested import contested, levelled
 from pipeline.discrepancy.search.counted import (
@@ -140,7 +139,7 @@ def searched_wide(search: Search, begun: list[Choice], found: list[Choice]) -> l
     choices that those found were polished from; from a best that is no other, a polish would come
     to the same.
     """
-    if not (refuted(search, found[0]) or len(names(found[0])) >= MOST_TERMS):
+    if not (refuted(search, found[0]) or piled(found[0])):
         return found
     wide = replace(search, wide=True)
     again = choose(wide, found[0].fit.ground)
