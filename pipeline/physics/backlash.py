@@ -6,6 +6,10 @@ from numba import njit
 from pipeline.physics.coasting_play import CoastingPlay
 from pipeline.physics.motion import Motion
 from pipeline.physics.term import Parameter, Surroundings, Term
+from pipeline.physics.transmission_ripple import TransmissionRipple
+
+AHEAD = "ahead of ripple"
+FIRST = 5.0
 
 
 @njit(cache=True)
@@ -36,8 +40,9 @@ def varying_play(drive, half_width, at):  # type: ignore[no-untyped-def]
 class Backlash(Term):
     """x_k = max(u_k - w/2, min(u_k + w/2, x_{k-1})), with the gap w in the drive's unit.
 
-    It starts in the middle of its gap. Source: the play operator, Krasnosel'skii and Pokrovskii,
-    Systems with Hysteresis (1989), section 2.
+    It starts in the middle of its gap. Form "ahead of ripple" is play in a gear whose output shaft
+    ripples, the other one behind what ripples. Source: the play operator, Krasnosel'skii and
+    Pokrovskii, Systems with Hysteresis (1989), section 2.
     """
 
     name = "backlash"
@@ -49,8 +54,20 @@ class Backlash(Term):
     means = "play: lost motion with sharp corners after each reversal"
     says = "The drive turns through {width} of play after each reversal before anything moves."
 
+    def __init__(self, form: str = "") -> None:
+        self.form = form
+        self.place = FIRST if form == AHEAD else Backlash.place
+        self.only_beside = TransmissionRipple.name if form == AHEAD else ""
+
+    @property
+    def kin(self) -> str:
+        return ""
+
+    def elsewhere(self) -> Term | None:
+        return None if self.only_beside else Backlash(AHEAD)
+
     def richer(self) -> tuple[Term, ...]:
-        return (CoastingPlay(),)
+        return () if self.only_beside else (CoastingPlay(),)
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
         span = around.drive_span

@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 
 from pipeline.errors import did_you_mean, refusal
-from pipeline.physics.backlash import Backlash
+from pipeline.physics.backlash import AHEAD, Backlash
 from pipeline.physics.camera_tilt import CameraTilt
 from pipeline.physics.capstan_friction import CapstanFriction
 from pipeline.physics.coasting_play import CoastingPlay
@@ -22,7 +22,7 @@ from pipeline.physics.friction import Friction
 from pipeline.physics.gravity import Gravity
 from pipeline.physics.inertia import Inertia
 from pipeline.physics.lens_distortion import LensDistortion
-from pipeline.physics.lost_steps import LostSteps
+from pipeline.physics.lost_steps import BEHIND, LostSteps
 from pipeline.physics.marker_outliers import MarkerOutliers
 from pipeline.physics.response_lag import ResponseLag
 from pipeline.physics.sheath_force import SheathForce
@@ -62,8 +62,10 @@ def terms(other_commands: Iterable[str] = ()) -> tuple[Term, ...]:
     """
     return (
         LostSteps(),
+        LostSteps(f"once{BEHIND}"),
         TransmissionRipple(),
         Backlash(),
+        Backlash(AHEAD),
         CoastingPlay(),
         Friction(),
         Friction("driven"),
@@ -82,6 +84,8 @@ def terms(other_commands: Iterable[str] = ()) -> tuple[Term, ...]:
         Creep("running"),
         TensionLoss(),
         TensionLoss("cycle"),
+        TensionLoss(f"linear {AHEAD}"),
+        TensionLoss(f"cycle {AHEAD}"),
         Gravity(),
         Contact("upper"),
         Contact("lower"),

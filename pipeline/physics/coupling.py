@@ -6,7 +6,7 @@ from pipeline.number_words import worded
 from pipeline.physics.backlash import play
 from pipeline.physics.balance import Load
 from pipeline.physics.motion import Motion
-from pipeline.physics.term import NO_STATE, Parameter, Surroundings, Term
+from pipeline.physics.term import HELD, NO_STATE, Parameter, Surroundings, Term
 
 WITH_PLAY, DIRECT = "/play", "/direct"
 SIZES = 3
@@ -46,14 +46,14 @@ class Coupling(Term):
         self.channel = form.removesuffix(WITH_PLAY).removesuffix(DIRECT)
         self.group = f"{self.name} {self.channel}"
         self.plays = form.endswith(WITH_PLAY)
-        self.only_held = form.endswith(DIRECT)
-        self.in_balance = not self.only_held
+        self.in_balance = not form.endswith(DIRECT)
+        self.only_beside = "" if self.in_balance else HELD
 
     @property
     def kin(self) -> str:
         return self.form.removesuffix(DIRECT)
 
-    def outside(self) -> Term | None:
+    def elsewhere(self) -> Term | None:
         return Coupling(f"{self.form}{DIRECT}") if self.form == self.channel else None
 
     def richer(self) -> tuple[Term, ...]:

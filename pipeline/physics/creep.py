@@ -9,7 +9,7 @@ from pipeline.physics.balance import Load
 from pipeline.physics.held import STEP_AND_WAIT_S, dwells, trailed
 from pipeline.physics.motion import Motion
 from pipeline.physics.response_lag import ResponseLag
-from pipeline.physics.term import Parameter, Surroundings, Term, Told
+from pipeline.physics.term import HELD, Parameter, Surroundings, Term, Told
 
 
 class Creep(Term):
@@ -44,7 +44,7 @@ class Creep(Term):
     def __init__(self, form: str = "one") -> None:
         self.form = form
         self.before_curve = "wire" in form
-        self.only_held = form == "whole"
+        self.only_beside = HELD if form == "whole" else ""
         self.unlikely = 3.0 if form == "running" else 0.0  # chance would decide against old frames
         self.in_balance = form in ("one", "two")
 
@@ -52,7 +52,7 @@ class Creep(Term):
     def kin(self) -> str:
         return "one" if self.form in ("whole", "running") else self.form
 
-    def outside(self) -> Term | None:
+    def elsewhere(self) -> Term | None:
         return Creep("whole") if self.form == "one" else None
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:

@@ -7,37 +7,50 @@ import numpy as np
 from pipeline.number_words import worded
 from pipeline.physics.motion import Motion
 from pipeline.physics.term import NO_STATE, Parameter, Surroundings, Term
+from pipeline.physics.transmission_ripple import TransmissionRipple
 
 MOMENTS = 150
 JUMP_2 = 2
+BEHIND = " behind ripple"
 
 
 class LostSteps(Term):
     """x(t) = u(t) + jump * [t >= time]; jump [drive unit], time [s]; in form "twice" two of these.
 
     The motor's count no longer belongs to the shaft's angle: a stepper that loses steps, a coupling
-    or a set screw that slips. Source: definition.
+    or a set screw that slips. In the forms "behind ripple" the wire slips on its pulley, and the
+    shaft's ripple stays where it was. Source: definition.
     """
 
     name = "lost_steps"
     site = "actuator"
-    place = 10.0
     before_curve = True
     slow = True
     unlikely = 3.0
-    grows: ClassVar = {"once": ("twice",)}
+    grows: ClassVar = {"once": ("twice",), f"once{BEHIND}": (f"twice{BEHIND}",)}
     means = "the shaft slips at a moment: a jump of the zero"
     says = "The shaft slipped by {jump} at {time}, and its zero has been off since."
     says_twice = "The shaft slipped by {jump} at {time} and by {jump_2} at {time_2}."
 
     def __init__(self, form: str = "once") -> None:
         self.form = form
+        behind = form.endswith(BEHIND)
+        self.place = TransmissionRipple.place + 5.0 if behind else 10.0
+        self.only_beside = TransmissionRipple.name if behind else ""
+        self.times = 2 if form.startswith("twice") else 1
+
+    @property
+    def kin(self) -> str:
+        return self.form.removesuffix(BEHIND)
+
+    def elsewhere(self) -> Term | None:
+        return None if self.only_beside else LostSteps(f"{self.form}{BEHIND}")
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
         span = around.drive_span
         return tuple(
             p
-            for tail in (("",) if self.form == "once" else ("", "_2"))
+            for tail in ("", "_2")[: self.times]
             for p in (
                 Parameter(f"jump{tail}", around.drive_unit, -span, span, 0.03 * span, 0.03 * span),
                 Parameter(
@@ -60,7 +73,7 @@ class LostSteps(Term):
 
     def at_moments(self, times_s: np.ndarray, around: Surroundings) -> np.ndarray:
         size = 0.01 * around.drive_span
-        if self.form == "once":
+        if self.times == 1:
             return np.column_stack([np.full(len(times_s), size), times_s])
         first = [size, 0.5 * (around.start_s + around.end_s)]
         return np.array([[*first, size, t] for t in times_s])
@@ -69,7 +82,7 @@ class LostSteps(Term):
         return len(motion) > 20
 
     def sentence(self, values: np.ndarray, around: Surroundings) -> str:
-        if self.form == "once":
+        if self.times == 1:
             return super().sentence(values, around)
         named = {
             p.name: f"{worded(abs(v))} {p.unit}"

@@ -12,7 +12,7 @@ from pipeline.physics.frame_lag import FrameLag
 from pipeline.physics.held import STEP_AND_WAIT_S, dwells, slewed, trailed
 from pipeline.physics.motion import Motion
 from pipeline.physics.tabled import inlined
-from pipeline.physics.term import Parameter, Surroundings, Term
+from pipeline.physics.term import HELD, Parameter, Surroundings, Term
 
 NEARLY_CRITICAL = 1e-6
 DENSE = 200
@@ -115,7 +115,7 @@ class ResponseLag(Term):
         self.form = form
         self.in_balance = form == "first"
         self.mistaken_for = FrameLag.name if form in ("second", "motor") else ""
-        self.only_held = form == "whole"
+        self.only_beside = HELD if form == "whole" else ""
         self.unlikely = 3.0 if form == "running" else 0.0  # chance would decide against old frames
         self.before_curve = form in ("motor", "slewing")
         self.place = 0.0 if self.before_curve else 90.0
@@ -124,7 +124,7 @@ class ResponseLag(Term):
     def kin(self) -> str:
         return "first" if self.form in FIRST_ORDER else self.form
 
-    def outside(self) -> Term | None:
+    def elsewhere(self) -> Term | None:
         return ResponseLag("whole") if self.form == "first" else None
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:

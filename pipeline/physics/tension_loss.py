@@ -6,9 +6,10 @@ import numpy as np
 from numba import njit
 
 from pipeline.number_words import worded
-from pipeline.physics.backlash import Backlash, varying_play
+from pipeline.physics.backlash import AHEAD, FIRST, Backlash, varying_play
 from pipeline.physics.motion import Motion
 from pipeline.physics.term import Parameter, Shown, Surroundings, Term
+from pipeline.physics.transmission_ripple import TransmissionRipple
 
 SOONER = 0.5
 BESIDE = (-1.0, -0.5, 0.0, 0.5, 1.0)
@@ -41,6 +42,7 @@ class TensionLoss(Term):
     w = width + growth settled (1 - exp(-s / settled)); "cycle" w = width + growth n, n being the
     number of the cycle. Forms "round" and "cycle round" grow as "linear" and "cycle", and their
     corners are round: a bank of plays whose widths lie up to a share `rounding` beside the whole.
+    Each stands also "ahead of ripple", as `Backlash` does.
     Source: the play operator with a width that changes; banks of it (Prandtl, Ishlinskii); wear in
     proportion to the way slid (Archard, J. Appl. Phys. 24 (1953) 981).
     """
@@ -53,31 +55,45 @@ class TensionLoss(Term):
     before_curve = True
     group = "play"
     far_apart = True
-    grows: ClassVar = {"linear": ("late", "settling", "round"), "cycle": ("cycle round",)}
+    grows: ClassVar = {
+        f"{form}{ahead}": tuple(f"{richer}{ahead}" for richer in further)
+        for form, further in (
+            ("linear", ("late", "settling", "round")),
+            ("cycle", ("cycle round",)),
+        )
+        for ahead in ("", f" {AHEAD}")
+    }
     means = "a wire that slackens: the loop's width grows from cycle to cycle"
     says = "The wire slackens: its play was {width} at the start and grows by {growth} of travel."
 
     def __init__(self, form: str = "linear") -> None:
         self.form = form
+        self.course = form.removesuffix(AHEAD).rstrip()
+        ahead = self.course != form
+        self.place = FIRST if ahead else TensionLoss.place
+        self.only_beside = TransmissionRipple.name if ahead else ""
 
     @property
     def kin(self) -> str:
-        return "linear" if self.form == "cycle" else self.form
+        return "linear" if self.course == "cycle" else self.course
+
+    def elsewhere(self) -> Term | None:
+        return None if self.only_beside else TensionLoss(f"{self.form} {AHEAD}")
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
         span, unit = around.drive_span, around.drive_unit
         travel = around.travel
         most = span / travel
         growth = Parameter("growth", f"{unit}/{unit}", 0.0, 4.0 * most, 0.05 * most, 0.05 * most)
-        if "cycle" in self.form:
+        if "cycle" in self.course:
             each, a_cycle = span / max(around.cycles, 1), f"{unit}/cycle"
             growth = Parameter("growth_a_cycle", a_cycle, 0.0, 4 * each, 0.05 * each, 0.05 * each)
         own = (growth, Parameter("width", unit, 0.0, 0.8 * span, 0.02 * span, 0.05 * span))
-        if self.form == "late":
+        if self.course == "late":
             return (*own, Parameter("onset", unit, 0.0, 0.9 * travel, 0.2 * travel, 0.0))
-        if "round" in self.form:
+        if "round" in self.course:
             return (*own, Parameter("rounding", "", 0.0, 1.0, 0.5, 0.2))
-        if self.form == "settling":
+        if self.course == "settling":
             low, high = 0.05 * travel, 5.0 * travel
             return (*own, Parameter("settled", unit, low, high, 0.7 * travel, 0.0))
         return own
@@ -86,10 +102,10 @@ class TensionLoss(Term):
         self, signal: np.ndarray, motion: Motion, values: np.ndarray, state: np.ndarray | None
     ) -> tuple[np.ndarray, np.ndarray]:
         growth, width, *more = values
-        onset = more[0] if self.form == "late" else 0.0
-        settled = more[0] if self.form == "settling" else np.inf
-        parts = [1.0 + more[0] * k for k in BESIDE] if "round" in self.form else [1.0]
-        by_cycle = "cycle" in self.form
+        onset = more[0] if self.course == "late" else 0.0
+        settled = more[0] if self.course == "settling" else np.inf
+        parts = [1.0 + more[0] * k for k in BESIDE] if "round" in self.course else [1.0]
+        by_cycle = "cycle" in self.course
         if state is None:
             begun = [*[signal[0]] * len(parts), signal[0], 0.0]
             state = np.array([*begun, motion.cycle[0]] if by_cycle else begun)
@@ -108,18 +124,18 @@ class TensionLoss(Term):
         return (plays[0] if len(plays) == 1 else np.mean(plays, axis=0)), kept
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
-        parts = around.cycles if "cycle" in self.form else around.travel
+        parts = around.cycles if "cycle" in self.course else around.travel
         growths = around.drive_span / max(parts, 1e-9) * np.array([0.01, 0.05, 0.2])
         rows = [[g, w * around.drive_span] for g in growths for w in (0.0, 0.02, 0.06)]
-        if self.form in ("linear", "cycle"):
+        if self.course in ("linear", "cycle"):
             return np.array(rows)
-        if "round" in self.form:
+        if "round" in self.course:
             return np.array([[*r, 0.5] for r in rows])
         return np.array([[*r, s * around.travel] for r in rows for s in (0.15, 0.4)])
 
     def retold(self, starts: np.ndarray) -> np.ndarray:
         """Play that settles looks steady once it has: as wide by then, it may all have grown."""
-        if self.form != "settling":
+        if self.course != "settling":
             return starts
         sooner = starts * [1.0, 1.0, SOONER]
         grown = np.vstack([starts, sooner])
@@ -139,7 +155,7 @@ class TensionLoss(Term):
         return around.cycles >= 2 and around.travel > 0.0
 
     def sentence(self, values: np.ndarray, around: Surroundings) -> str:
-        if "cycle" not in self.form:
+        if "cycle" not in self.course:
             return super().sentence(values, around)
         unit = around.drive_unit
         return (

@@ -12,6 +12,8 @@ from pipeline.physics.motion import Motion
 
 SITES = ("actuator", "transmission", "body", "sensor")
 LAST = 1000.0
+HELD = "held"
+"""What a form may differ beside: a joint that a term of the balance holds."""
 NO_STATE = np.zeros(0)
 
 
@@ -126,7 +128,8 @@ class Term:
     unlikely: how much less likely than others it is in its form, in -2 log odds.
     mistaken_for: the name of what may be this instead, if it looks like that in disguise, or is
     behind it by no more than its charge.
-    only_held: whether a form differs from its kin only beside what holds the joint.
+    only_beside: what a form differs from its kin beside, and nowhere else: a name, or HELD, where a
+    term holds the joint; "" for anything.
     own_law: whether a form bends otherwise than the plainer one whose parameters it has: a fit of
     that is one more place to begin from, not the only one.
     """
@@ -142,7 +145,7 @@ class Term:
     mistaken_for: str = ""
     unlikely: float = 0.0
     beyond: str = ""
-    only_held: bool = False
+    only_beside: str = ""
     own_law: bool = False
     adds: bool = False
     timed: ClassVar[bool] = False
@@ -167,9 +170,17 @@ class Term:
     def side(self) -> float:
         return 0.0
 
-    def outside(self) -> "Term | None":
-        """This term after the balance, its parameters the same; None where there is none."""
+    def elsewhere(self) -> "Term | None":
+        """This term at its other place in the chain, its parameters the same; None without one.
+
+        There it differs beside what that form says (`only_beside`), and nowhere else.
+        """
         return None
+
+    @property
+    def matters_to(self) -> frozenset[str]:
+        """What terms that differ only beside something may wait for: its name, HELD if it holds."""
+        return frozenset((self.name, HELD) if self.holds else (self.name,))
 
     def richer(self) -> tuple["Term", ...]:
         """This term in the forms that hold more."""

@@ -14,6 +14,7 @@ from pipeline.discrepancy.problem.outliers import isolated
 from pipeline.discrepancy.problem.problem import Problem
 from pipeline.discrepancy.search.choose import Choice, names
 from pipeline.discrepancy.search.counted import INCREDIBLE, settled_rows
+from pipeline.discrepancy.search.elsewhere import differing
 from pipeline.discrepancy.search.explain import Explanation
 from pipeline.physics.catalogue import with_richer
 from pipeline.physics.term import Term
@@ -58,7 +59,7 @@ def in_course(fit: Fit, terms: Iterable[Term]) -> Fit:
     """
     for i, piece in enumerate(fit.pieces):
         if piece.term.evolves:
-            forms = with_richer(t for t in terms if t.name == piece.term.name)
+            forms = differing(with_richer(t for t in terms if t.name == piece.term.name), fit)
             others = (reformed(fit, i, t) for t in forms if t.form != piece.term.form)
             fit = min([fit, *others], key=lambda f: f.cost + complexity(f))
     return fit

@@ -19,7 +19,7 @@ from pipeline.discrepancy.fitting.reform import reformed
 from pipeline.discrepancy.fitting.screen import Effects, Lead, effects_of, screen, started
 from pipeline.discrepancy.noise.family import WHITE, NoiseFamily
 from pipeline.discrepancy.problem.problem import Problem
-from pipeline.discrepancy.search.after_balance import Key, held, kin_of, with_others_outside
+from pipeline.discrepancy.search.elsewhere import Key, differing, kin_of, with_others_elsewhere
 from pipeline.physics.catalogue import richer
 from pipeline.physics.term import Term
 
@@ -244,9 +244,8 @@ def extended(
         if parent.fit.key | {(t.name, t.form)} not in skip
     ]
     starts = [(start, terms) for start in (parent.fit, *begun)]
-    unloaded = with_others_outside(parent.fit)
-    if unloaded is not None:
-        starts.append((unloaded, [t for t in terms if t.holds]))
+    for beside, moved in with_others_elsewhere(parent.fit).items():
+        starts.append((moved, [t for t in terms if beside in t.matters_to]))
     found: dict[Key, Fit] = {}
     unknown = not parent.fit.pieces and search.family.prior.repeats == 0
     for start, own in starts:
@@ -327,14 +326,9 @@ def by_term(leads: Sequence[Lead]) -> list[list[Lead]]:
 def allowed(terms: Sequence[Term], fit: Fit) -> list[Term]:
     """Terms that may stand beside those of a fit: no name twice on a side, none of a group.
 
-    Where nothing holds the joint, what acts after the balance is about as in it.
+    None at another place than the usual one where that makes no difference.
     """
-    holding = held(fit)
-    return [
-        t
-        for t in terms
-        if (holding or not t.only_held) and not any(excludes(t, p.term) for p in fit.pieces)
-    ]
+    return [t for t in differing(terms, fit) if not any(excludes(t, p.term) for p in fit.pieces)]
 
 
 def excludes(term: Term, other: Term) -> bool:

@@ -17,6 +17,7 @@ from pipeline.discrepancy.search.choose import (
     Search,
     names,
 )
+from pipeline.discrepancy.search.elsewhere import differing
 from pipeline.physics.mechanism import Piece
 from pipeline.physics.term import Term
 from pipeline.recording import reversals_of
@@ -142,7 +143,7 @@ def plain_fit(search: Search, fit: Fit) -> Fit:
     for k, name in enumerate(shown):
         if name == fit.pieces[k].term.name:
             continue
-        forms = [t for t in search.terms if t.name == name]
+        forms = differing((t for t in search.terms if t.name == name), fit)
         if forms and shown.count(name) == 1:
             fit = min((reformed(fit, k, form) for form in forms), key=lambda f: f.cost)
         else:

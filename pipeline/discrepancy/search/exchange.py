@@ -4,8 +4,8 @@ from collections.abc import Sequence
 
 from pipeline.discrepancy.fitting.fit import ITERATIONS, Fit, evaluate, improve
 from pipeline.discrepancy.fitting.screen import clipped
-from pipeline.discrepancy.search.after_balance import Key
 from pipeline.discrepancy.search.choose import MOST_TERMS, Choice, Search, excludes, grown
+from pipeline.discrepancy.search.elsewhere import Key
 from pipeline.physics.mechanism import Piece
 
 BEGUN, STEPS, HOPED = 3, 4, 100.0

@@ -1,7 +1,6 @@
 """Polish: deletions, swaps, richer forms and moves of the best choice while it gets better."""
 
 from pipeline.discrepancy.fitting.fit import evaluate, improve
-from pipeline.discrepancy.search.after_balance import Key, freed
 from pipeline.discrepancy.search.choose import (
     MOST_TERMS,
     Choice,
@@ -10,6 +9,7 @@ from pipeline.discrepancy.search.choose import (
     extended,
     grown,
 )
+from pipeline.discrepancy.search.elsewhere import Key, freed
 from pipeline.discrepancy.search.exchange import exchanged
 from pipeline.discrepancy.search.moves import merged, sheathed, unpromised
 from pipeline.discrepancy.search.stepped import stepped

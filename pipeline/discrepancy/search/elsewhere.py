@@ -1,0 +1,53 @@
+"""What may act at one place of the chain or at another.
+
+A creep acts in the balance at the joint, or after it, where what holds the joint answers to it no
+more; play turns before the shaft's ripple or behind it. Such physics has a form for each place
+(`Term.elsewhere`). They differ only beside some terms (`Term.only_beside`); elsewhere they are one
+idea, share one place in a search, and only the usual form is offered.
+"""
+
+from collections.abc import Iterable
+from dataclasses import replace
+
+from pipeline.discrepancy.fitting.fit import TOLERANCE, Fit, evaluate, improve
+from pipeline.physics.term import Term
+
+Key = frozenset[tuple[str, str]]
+
+
+def there(fit: Fit) -> frozenset[str]:
+    """What terms that differ only beside something find in a fit."""
+    return frozenset().union(*(p.term.matters_to for p in fit.pieces))
+
+
+def differing(terms: Iterable[Term], fit: Fit) -> list[Term]:
+    """Those of some terms that beside a fit's are not the same as their usual form."""
+    found = there(fit)
+    return [t for t in terms if not t.only_beside or t.only_beside in found]
+
+
+def with_others_elsewhere(fit: Fit) -> dict[str, Fit]:
+    """The fit with terms at their other place, by what that makes a difference beside."""
+    places = [p.term.elsewhere() for p in fit.pieces]
+    found = {}
+    for beside in dict.fromkeys(t.only_beside for t in places if t is not None):
+        pieces = [
+            p if term is None or term.only_beside != beside else replace(p, term=term)
+            for p, term in zip(fit.pieces, places, strict=True)
+        ]
+        moved = evaluate(fit.ground, pieces)
+        same = abs(moved.cost - fit.cost) < TOLERANCE
+        found[beside] = moved if same else improve(moved, 3)
+    return found
+
+
+def freed(fit: Fit) -> Fit:
+    """The fit, with terms at their other place where that makes a difference, if better."""
+    found, moved = there(fit), with_others_elsewhere(fit)
+    others = [improve(other) for beside, other in moved.items() if beside in found]
+    return min([fit, *others], key=lambda f: f.cost)
+
+
+def kin_of(fit: Fit) -> Key:
+    """The names of a fit's terms, forms that differ only beside others as one."""
+    return frozenset((p.term.name, p.term.kin) for p in fit.pieces)
