@@ -8,7 +8,7 @@ import pytest
 from pipeline.discrepancy.fitting.fit import evaluate, ground_of, improve
 from pipeline.discrepancy.noise.noise import NoiseModel
 from pipeline.discrepancy.problem.outliers import at_commands, returning
-from pipeline.discrepancy.search.choose import allowed, choose
+from pipeline.discrepancy.search.choose import allowed, choose, simpler
 from pipeline.discrepancy.search.contested import contested, levelled, rival_names
 from pipeline.discrepancy.search.disguise import as_itself, plain_fit, undisguised, with_plain
 from pipeline.discrepancy.search.exchange import exchanged
@@ -279,3 +279,13 @@ def test_a_name_stands_once_on_each_side():
     terms = [term("contact", f) for f in ("upper", "lower", "lower unloading")]
     beside = allowed([*terms, term("end_stop", "lower")], fit)
     assert [(t.name, t.form) for t in beside] == [("contact", "upper"), ("end_stop", "lower")]
+
+
+def test_a_form_that_was_grown_too_far_is_made_plain_again():
+    found = explained(recorded({"creep/one": {"share": 0.3, "time_constant": 12.0}}))
+    search, plain = found.search, next(c for c in found.choices if c.fit.key == {("creep", "one")})
+    arms = np.array([0.28, 12.0, 0.05, 14.0])
+    fit = improve(evaluate(plain.fit.ground, [Piece(term("creep", "two"), arms)]))
+    again = simpler(search, search.weighed(fit, plain.place))
+    assert again.fit.key == plain.fit.key
+    assert again.score == pytest.approx(plain.score, abs=1.0)

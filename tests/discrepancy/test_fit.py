@@ -8,7 +8,7 @@ import pytest
 from pipeline.config import DiagnosisConfig, ToleranceConfig
 from pipeline.discrepancy.fitting.charge import VOID, absurd_calibration, complexity
 from pipeline.discrepancy.fitting.fit import evaluate, ground_of, improve, jacobian
-from pipeline.discrepancy.fitting.screen import effects_of, screen
+from pipeline.discrepancy.fitting.screen import effects_of, screen, started
 from pipeline.discrepancy.model.intervals import covariance_of, estimates, wide_covariance
 from pipeline.discrepancy.noise.family import noise_family
 from pipeline.discrepancy.noise.learning import learn_noise
@@ -72,6 +72,27 @@ def test_a_slip_in_strongly_correlated_noise_is_screened_at_its_own_sample():
     fit = evaluate(ground_of(problem, NoiseModel(0.02, 0.5, 0.98), problem.train), ())
     (best, *_) = screen(fit, effects_of(problem, [slip]), [slip])
     assert time_s[row - 1] < best.values[1] <= time_s[row]
+
+
+def test_no_lead_needs_a_size_beyond_its_bounds():
+    hidden = {"contact/upper": {"stiffness": 0.4, "angle": 6.0}, "camera_tilt": {"tilt": 0.7}}
+    fit = fitted(5, hidden, (Piece(term("camera_tilt"), np.array([0.9, 0.1])),))
+    candidates = [term("contact", side) for side in ("upper", "lower")]
+    leads = screen(fit, effects_of(fit.ground.problem, candidates), candidates)
+    assert {lead.term.form for lead in leads} == {"upper"}
+    assert all(lead.values[0] > 0.0 for lead in leads)
+
+
+def test_a_lead_is_begun_beside_terms_that_make_room_for_it():
+    hidden = {"contact/upper": {"stiffness": 0.4, "angle": 6.0}, "camera_tilt": {"tilt": 0.7}}
+    fit = fitted(5, hidden, (Piece(term("camera_tilt"), np.array([0.9, 0.1])),))
+    contact = term("contact", "upper")
+    lead = screen(fit, effects_of(fit.ground.problem, [contact]), [contact])[0]
+    beside = evaluate(fit.ground, (*fit.pieces, Piece(contact, lead.values)))
+    begun = started(fit, [lead])
+    assert beside.cost > fit.cost
+    assert begun.cost < beside.cost - 100.0
+    assert begun.values[-3:] == pytest.approx(lead.values)
 
 
 def test_a_slip_before_the_first_fitted_sample_explains_nothing():

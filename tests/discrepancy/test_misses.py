@@ -8,7 +8,7 @@ import pytest
 
 from pipeline.discrepancy.fitting.fit import evaluate, improve
 from pipeline.discrepancy.noise.family import WHITE
-from pipeline.physics.catalogue import term
+from pipeline.physics.catalogue import BENDS, term
 from pipeline.physics.creep import Creep
 from pipeline.physics.mechanism import Piece
 from pipeline.physics.term import Surroundings, values_of
@@ -108,3 +108,19 @@ def test_a_settling_zero_is_no_second_time_of_a_creep():
     assert Creep("two").slight(slower, around)
     assert not Creep("two").slight(slower - [0.0, 0.0, 0.0, 2.0], around)
     assert not Creep("two").slight(slower, replace(around, cycles=1))
+
+
+@pytest.mark.parametrize(
+    "bend",
+    [
+        {"camera_tilt": {"tilt": 0.75}},
+        {"lens_distortion/first": {"distortion": 1.1e-4}},
+    ],
+)
+def test_a_contact_beside_a_bend_is_no_long_ripple(bend):
+    contact = {"contact/upper": {"stiffness": 0.3, "angle": 7.0}}
+    best = explained(recorded(contact | bend, noise=0.15)).choices[0]
+    name = next(iter(bend)).partition("/")[0]
+    assert set(best.fit.names) <= {"contact", *BENDS}
+    assert "contact" in best.fit.names
+    assert name in best.fit.names

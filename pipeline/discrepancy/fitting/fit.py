@@ -350,6 +350,21 @@ def improve(fit: Fit, iterations: int = ITERATIONS, begun: Fit | None = None) ->
     return fit
 
 
+def followed(fit: Fit, trial: Fit) -> list[Fit]:
+    """A trial that has one more term than a fit, the fit's own terms one step on beside that."""
+    if not fit.pieces:
+        return []
+    box = fit.box
+    slopes = _beside_nuisances(fit, fit.slopes)
+    gradient = slopes.T @ trial.innovations - box.precision * (fit.values - box.centre)
+    normal = slopes.T @ slopes
+    normal.flat[:: fit.free + 1] += box.precision
+    values, foretold = stepped(fit.values, normal, gradient, box.low, box.high, FIRST_DAMPING)
+    if foretold < TOLERANCE:
+        return []
+    return [evaluate(fit.ground, (*_with_values(fit.pieces, values), *trial.pieces[-1:]))]
+
+
 def _stepped(
     fit: Fit, box: Box, normal: np.ndarray, gradient: np.ndarray, damping: float
 ) -> tuple[Fit | None, float, float]:

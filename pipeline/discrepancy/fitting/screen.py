@@ -5,7 +5,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pipeline.discrepancy.fitting.fit import Fit, calibrated, parameters_of, respond_beside
+from pipeline.discrepancy.fitting.fit import (
+    Fit,
+    calibrated,
+    followed,
+    parameters_of,
+    respond_beside,
+)
 from pipeline.discrepancy.fitting.moments import moments
 from pipeline.discrepancy.noise.serial import orthonormal, without
 from pipeline.discrepancy.problem.problem import Problem
@@ -105,7 +111,10 @@ def late(fit: Fit) -> list[Piece]:
 
 
 def screen(fit: Fit, effects: Effects, terms: Sequence[Term], starts: int = 3) -> list[Lead]:
-    """The `starts` best candidates of each term beside a fit, best first."""
+    """The `starts` best candidates of each term beside a fit, best first.
+
+    None that could only gain by a size that its bounds don't allow.
+    """
     ground = fit.ground
     places = effects.promising(fit, terms, PROMISING) + sudden(fit, terms)
     if not places:
@@ -117,8 +126,8 @@ def screen(fit: Fit, effects: Effects, terms: Sequence[Term], starts: int = 3) -
     best: dict[tuple[str, str], list[Lead]] = {}
     gains, factors = gains_of(fit, sized_of(places), columns.T)
     for (term, values), gain, factor in zip(places, gains, factors, strict=True):
-        if gain > 0.0:
-            scaled = clipped(fit, term, term.scaled(values, factor))
+        scaled = clipped(fit, term, term.scaled(values, factor))
+        if gain > 0.0 and not term.void(scaled):
             best.setdefault((term.name, term.form), []).append(Lead(term, scaled, gain))
     leads = [lead for few in best.values() for lead in sorted(few, key=lambda x: -x.gain)[:starts]]
     return sorted(leads, key=lambda lead: -lead.gain)
@@ -168,9 +177,15 @@ def clipped(fit: Fit, term: Term, values: np.ndarray) -> np.ndarray:
 
 
 def started(fit: Fit, leads: Sequence[Lead]) -> Fit:
-    """The fit with the best of some leads of one term added, not yet improved."""
+    """The fit with the best of some leads of one term added, not yet improved.
+
+    What a lead promises holds for terms that make room for it: each is begun beside them as they
+    stand and as they would then be. Else what bends much where others bend already is taken back
+    to nothing before they have moved.
+    """
     trials = []
     for lead in leads:
         pieces = (*fit.pieces, Piece(lead.term, lead.values))
-        trials.append(calibrated(fit.ground, pieces, respond_beside(fit, pieces, lead.term)))
+        trial = calibrated(fit.ground, pieces, respond_beside(fit, pieces, lead.term))
+        trials += [trial, *followed(fit, trial)]
     return min(trials, key=lambda trial: trial.cost)

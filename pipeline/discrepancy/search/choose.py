@@ -20,7 +20,7 @@ from pipeline.discrepancy.fitting.screen import Effects, Lead, effects_of, scree
 from pipeline.discrepancy.noise.family import WHITE, NoiseFamily
 from pipeline.discrepancy.problem.problem import Problem
 from pipeline.discrepancy.search.elsewhere import Key, differing, kin_of, with_others_elsewhere
-from pipeline.physics.catalogue import richer
+from pipeline.physics.catalogue import richer, with_richer
 from pipeline.physics.term import Term
 
 BEAM = 3
@@ -358,3 +358,26 @@ def grown(search: Search, choice: Choice, but: Container[str] = ()) -> Choice:
             else:
                 search.vain[key] = choice.score
     return choice
+
+
+def simpler(search: Search, choice: Choice) -> Choice:
+    """The choice with each term in a plainer form that its score prefers, if any.
+
+    A form grown beside fewer terms may hold what another one explains by now.
+    """
+    for i, piece in enumerate(choice.fit.pieces):
+        for term in plainer(search.terms, piece.term):
+            key = choice.fit.key - {(piece.term.name, piece.term.form)} | {(term.name, term.form)}
+            if search.tried_in_vain(key, choice):
+                continue
+            trial = search.weighed(reformed(choice.fit, i, term), choice.place)
+            if trial.score < choice.score:
+                return simpler(search, trial)
+            search.vain[key] = choice.score
+    return choice
+
+
+def plainer(terms: Sequence[Term], term: Term) -> list[Term]:
+    """Forms of the same name, among some terms and what they grow to, that a term grew from."""
+    known = with_richer(t for t in terms if t.name == term.name)
+    return [t for t in known if any(r.form == term.form for r in t.richer() if r.name == t.name)]

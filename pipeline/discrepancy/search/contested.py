@@ -14,6 +14,7 @@ from pipeline.discrepancy.search.choose import (
     choose,
     grown,
     names,
+    simpler,
 )
 from pipeline.discrepancy.search.disguise import plain
 from pipeline.discrepancy.search.polish import polished
@@ -49,8 +50,9 @@ def levelled(search: Search, choices: Sequence[Choice]) -> list[Choice]:
     """The choices (best first), with near rivals of one other name in forms as rich as suit them.
 
     A search grows the forms of what is best on its way: a rival that was left with plainer ones
-    looks worse than its name is. It takes over the forms of the names that both have; its own name
-    is grown. What is slow is left as it is: enough slips follow any drift.
+    looks worse than its name is, and so does one grown beside fewer. It takes over the forms of the
+    names that both have; its own name is made plain, or grown. What is slow is left as it is:
+    enough slips follow any drift.
     """
     best, found = choices[0], list(choices)
     near = [c for c in by_names(list(choices)) if c.score < best.score + FAR]
@@ -62,7 +64,7 @@ def levelled(search: Search, choices: Sequence[Choice]) -> list[Choice]:
         if taken.key != rival.fit.key:
             taken_over = search.weighed(improve(taken), best.place)
             rival = min(rival, taken_over, key=lambda c: c.score)
-        found.append(grown(search, rival, but=names(best)))
+        found.append(grown(search, simpler(search, rival), but=names(best)))
     return best_of_each(found)
 
 
