@@ -42,7 +42,7 @@ def reformed(fit: Fit, place: int, term: Term) -> Fit:
         fresh = starts if term.own_law else starts[:0]
         starts = np.vstack([told, fresh]) if len(told) else np.clip(kept, box.low, box.high)
     before, after = fit.pieces[:place], fit.pieces[place + 1 :]
-    if any(p.moment for p in parameters_of(fit.ground, term)):
+    if any(p.moment and p.name not in had for p in parameters_of(fit.ground, term)):
         starts = _sized(fit, place, term, starts)
     trials = [evaluate(fit.ground, (*before, Piece(term, values), *after)) for values in starts]
     trials.sort(key=lambda t: t.cost)

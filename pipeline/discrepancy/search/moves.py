@@ -1,5 +1,7 @@
 """Moves from one explanation to another that no swap or added term makes."""
 
+from itertools import combinations
+
 from pipeline.discrepancy.fitting.fit import ITERATIONS, evaluate, improve
 from pipeline.discrepancy.fitting.reform import reformed
 from pipeline.discrepancy.fitting.screen import late, screen, started
@@ -16,6 +18,7 @@ from pipeline.physics.friction import Friction
 from pipeline.physics.mechanism import Piece
 from pipeline.physics.response_lag import ResponseLag
 from pipeline.physics.stiffness import Stiffness
+from pipeline.physics.term import Term
 
 SHEATH = CapstanFriction("pretensioned")
 SPRING = Stiffness()
@@ -37,6 +40,30 @@ def unpromised(search: Search, choice: Choice) -> Choice:
     if choice.score - search.hoped(best, choice.place) <= -FAINT:
         return choice
     return min(choice, search.weighed(improve(best, 8), choice.place), key=lambda c: c.score)
+
+
+def united(search: Search, choice: Choice) -> Choice:
+    """The choice with one term in place of two that draw a static curve, if that is better.
+
+    Two together come near what one draws, be it another bend or what neither resembles. From there
+    no swap leads to it: beside the other of the two it gains little.
+    """
+    found = choice
+    for pair in combinations([p for p in choice.fit.pieces if curves(p.term)], 2):
+        rest = [p for p in choice.fit.pieces if not any(p is q for q in pair)]
+        fit = improve(evaluate(choice.fit.ground, rest))
+        curved = [t for t in allowed(search.terms, fit) if curves(t)]
+        leads = by_term(screen(fit, search.effects, curved))
+        trials = [improve(started(fit, few), 3, fit) for few in leads]
+        best = improve(min(trials, key=lambda t: t.cost, default=fit), 2 * ITERATIONS)
+        if choice.score - search.hoped(best, choice.place) > -FAINT:
+            found = min(found, search.weighed(best, choice.place), key=lambda c: c.score)
+    return found
+
+
+def curves(term: Term) -> bool:
+    """Whether a term changes the static curve, as a bend, what holds the joint, or a ripple."""
+    return term.group == BEND or term.holds or term.periodic
 
 
 def merged(search: Search, choice: Choice) -> Choice:
