@@ -42,18 +42,22 @@ def unpromised(search: Search, choice: Choice) -> Choice:
     return min(choice, search.weighed(improve(best, 8), choice.place), key=lambda c: c.score)
 
 
-def united(search: Search, choice: Choice) -> Choice:
-    """The choice with one term in place of two that draw a static curve, if that is better.
+def recurved(search: Search, choice: Choice) -> Choice:
+    """The choice with another term in place of one or two that draw a static curve, if better.
 
-    Two together come near what one draws, be it another bend or what neither resembles. From there
-    no swap leads to it: beside the other of the two it gains little.
+    Two together come near what one draws, be it another bend or what neither resembles: beside the
+    other of the two it gains little. And without a bend the other terms go astray before another
+    takes its place; so they stay as they are until it has.
     """
-    found = choice
-    for pair in combinations([p for p in choice.fit.pieces if curves(p.term)], 2):
-        rest = [p for p in choice.fit.pieces if not any(p is q for q in pair)]
-        fit = improve(evaluate(choice.fit.ground, rest))
-        curved = [t for t in allowed(search.terms, fit) if curves(t)]
-        leads = by_term(screen(fit, search.effects, curved))
+    found, curved = choice, [p for p in choice.fit.pieces if curves(p.term)]
+    for left_out in (*combinations(curved, 1), *combinations(curved, 2)):
+        rest = [p for p in choice.fit.pieces if not any(p is q for q in left_out)]
+        fit = evaluate(choice.fit.ground, rest)
+        gone = {(p.term.name, p.term.form) for p in left_out}
+        others = [
+            t for t in allowed(search.terms, fit) if curves(t) and (t.name, t.form) not in gone
+        ]
+        leads = by_term(screen(fit, search.effects, others))
         trials = [improve(started(fit, few), 3, fit) for few in leads]
         best = improve(min(trials, key=lambda t: t.cost, default=fit), 2 * ITERATIONS)
         if choice.score - search.hoped(best, choice.place) > -FAINT:
