@@ -45,6 +45,7 @@ PRESSED = tuple(
     CoulombFriction(form)
     for form in (
         "smoothed sprung",
+        "smoothed dashpot",
         "bristle bent",
         "loaded",
         "spread loaded",

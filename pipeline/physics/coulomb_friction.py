@@ -7,6 +7,7 @@ import numpy as np
 
 from pipeline.number_words import worded
 from pipeline.physics.bent_bristle import bending
+from pipeline.physics.damped_sliding import yielding
 from pipeline.physics.force_term import ASYMMETRY, ForceTerm, both_ways, per, resistance
 from pipeline.physics.motion import Kinetics, Motion
 from pipeline.physics.pre_sliding import FINELY, WIDEST, dragging, sliding, weighted
@@ -16,6 +17,7 @@ from pipeline.physics.term import Parameter, Surroundings
 LEAST_REACH = 1e-6
 REACHES = (5e-6, 5e-5, 3e-4, 2e-3, 0.01, 0.03, 0.1, 0.3)
 ONSETS = (1e-3, 4e-3, 0.015, 0.06)
+DASHPOTS = (0.015, 0.06, 0.2, 0.5)
 SHAPES = (
     Parameter("spread", "", 0.0, WIDEST, 0.7, 0.0),
     Parameter("release", "", 0.0, 1.0, 0.7, 0.0),
@@ -35,10 +37,13 @@ def reach_of(around: Surroundings) -> Parameter:
                      relative=True)  # fmt: skip
 
 
-def onset_of(around: Surroundings) -> Parameter:
-    """The speed from which on a dry contact without pre-sliding resists in full."""
+def onset_of(around: Surroundings, most: float = 0.5) -> Parameter:
+    """The speed from which on a dry contact without pre-sliding resists in full.
+
+    most: share of the top speed that it may be.
+    """
     top = max(around.top_speed, 1e-12)
-    return Parameter("onset", f"{around.drive_unit}/s", 1e-5 * top, 0.5 * top, 0.01 * top, 0.0,
+    return Parameter("onset", f"{around.drive_unit}/s", 1e-5 * top, most * top, 0.01 * top, 0.0,
                      relative=True)  # fmt: skip
 
 
@@ -61,11 +66,12 @@ class CoulombFriction(ForceTerm):
     "bristle" is one that Dahl, or Bouc and Wen, let go (see `bristled`), "bristle bent" with the
     exponent of either (see `bending`). In "smoothed" z = tanh(v / onset): no pre-sliding, but
     resistance that grows with the speed until it is full; "smoothed sprung" is that behind a spring
-    (see `giving_way`). In the "loaded" forms force + growth |x - middle| takes the place of force,
-    as where a wedge or a spring presses the contact; with its middle at an end of the way it grows,
-    or falls, all along. Each of them also "asymmetric". Source: Coulomb (1785); Dahl, AIAA J. 14
-    (1976) 1675, and `pre_sliding.py`; Andersson, Soderberg and Bjorklund, Tribol. Int. 40 (2007)
-    580 (smoothed); Nims, Richter and Bachman, Earthq. Spectra 9 (1993) 467 (loaded).
+    (see `giving_way`), "smoothed dashpot" a bristle behind a dashpot (see `yielding`). In the
+    "loaded" forms force + growth |x - middle| takes the place of force, as where a wedge or a
+    spring presses the contact; with its middle at an end of the way it grows, or falls, all along.
+    Each of them also "asymmetric". Source: Coulomb (1785); Dahl, AIAA J. 14 (1976) 1675, and
+    `pre_sliding.py`; Andersson, Soderberg and Bjorklund, Tribol. Int. 40 (2007) 580 (smoothed);
+    Nims, Richter and Bachman, Earthq. Spectra 9 (1993) 467 (loaded).
     """
 
     name = "coulomb_friction"
@@ -76,6 +82,7 @@ class CoulombFriction(ForceTerm):
         "": ("asymmetric", "spread", "bristle", "smoothed"),
         "smoothed": ("smoothed asymmetric",),
         "smoothed sprung": ("asymmetric smoothed sprung",),
+        "smoothed dashpot": ("asymmetric smoothed dashpot",),
         "asymmetric": ("asymmetric spread", "asymmetric bristle"),
         "bristle": ("asymmetric bristle", "spread"),
         "asymmetric spread": ("asymmetric bristle",),
@@ -91,7 +98,8 @@ class CoulombFriction(ForceTerm):
     def __init__(self, form: str = "") -> None:
         self.form = form
         words = form.split()
-        own = ("onset", "reach") if "sprung" in words else ("onset",)
+        gives = "sprung" in words or "dashpot" in words
+        own = ("onset", "reach") if gives else ("onset",)
         shapes = [name for word, name in SHAPE_OF.items() if word in words]
         self._names = (
             "force",
@@ -103,7 +111,8 @@ class CoulombFriction(ForceTerm):
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
         force = resistance("force", around.angle_unit, 2.0 * around.angle_span, around)
-        every = (force, onset_of(around), reach_of(around), ASYMMETRY, *SHAPES, *load_of(around))
+        onset = onset_of(around, 1.0 if "dashpot" in self.form else 0.5)
+        every = (force, onset, reach_of(around), ASYMMETRY, *SHAPES, *load_of(around))
         return tuple(p for p in every if p.name in self._names)
 
     def sizes(self, values: np.ndarray) -> dict[str, float]:
@@ -118,8 +127,9 @@ class CoulombFriction(ForceTerm):
         if self.form in ("smoothed", "smoothed asymmetric"):
             share = np.tanh(kinetics.velocity / own["onset"])
             return own["force"] * weighted(share, own["asymmetry"]), None
-        if "sprung" in self.form:
-            share, state = giving_way(
+        if "onset" in own:
+            answer = yielding if "dashpot" in self.form else giving_way
+            share, state = answer(
                 kinetics.velocity, motion.time_s, own["onset"], own["reach"], state
             )
             return own["force"] * weighted(share, own["asymmetry"]), state
@@ -159,7 +169,7 @@ class CoulombFriction(ForceTerm):
         start = {p.name: p.start for p in self.parameters(around)}
         top, span = max(around.top_speed, 1e-12), max(around.drive_span, 1e-12)
         grids = {
-            "onset": top * np.array(ONSETS),
+            "onset": top * np.array(DASHPOTS if "dashpot" in self.form else ONSETS),
             "reach": around.drive_span * np.array(REACHES),
             "curve": np.array(CURVES),
             "growth": start["force"] / span * np.array(GROWN),

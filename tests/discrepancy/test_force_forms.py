@@ -90,6 +90,20 @@ def test_friction_that_gives_before_it_slides_is_one_name():
     assert "before it slides" in said
 
 
+def test_friction_behind_a_dashpot_is_one_name():
+    """Spencer's magnetorheological damper: slow motion is the dashpot's, up to a sharp knee."""
+    t, x, rng = motion(33)
+    v, share, force = np.gradient(x, t), 0.0, np.zeros(len(x))
+    for k in range(len(x)):
+        for _ in range(40):
+            bend = v[k] - 0.05 * share
+            share += bend * (1.0 - share**2 if bend * share > 0.0 else 1.0) / 2e-4 / (40 * RATE)
+        force[k] = 40.0 * share
+    found = diagnosed(x, force, rng)
+    sizes = {"coulomb_friction.force": 40.0, "coulomb_friction.onset": 0.05}
+    assert_told(found, {"coulomb_friction"}, sizes)
+
+
 def test_friction_that_a_wedge_presses_is_one_name():
     t, x, rng = motion(32)
     force = (20.0 + 600.0 * np.abs(x)) * dahl(t, x, 1.0, 1e-3) + 400.0 * x

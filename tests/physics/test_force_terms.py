@@ -157,6 +157,24 @@ def test_friction_behind_a_spring_slides_as_its_slip_law_says():
     np.testing.assert_allclose(stiff[1:], plain[1:], atol=0.1)
 
 
+def test_a_bristle_behind_a_dashpot_gives_way_as_spencers_damper_does():
+    """z' = (x' - onset z)(1 - z^2 where z grows) / reach; slow motion is the dashpot's alone."""
+    m = swing()
+    onset, reach, step_s = 0.2, 0.01, 1e-3 / 50
+    share, held = 0.0, np.zeros(len(m))
+    for k in range(1, len(m)):
+        for part in (np.arange(50) + 0.5) / 50:
+            v = m.kinetics.velocity[k - 1] * (1.0 - part) + m.kinetics.velocity[k] * part
+            bend = v - onset * share
+            share += bend * (1.0 - share**2 if bend * share > 0.0 else 1.0) * step_s / reach
+        held[k] = share
+    told = answer("coulomb_friction", "smoothed dashpot", [10.0, onset, reach], m)
+    np.testing.assert_allclose(told, 10.0 * held, atol=0.1)
+    stiff = answer("coulomb_friction", "smoothed dashpot", [10.0, onset, 1e-6], m)
+    clipped = 10.0 * np.clip(m.kinetics.velocity / onset, -1.0, 1.0)
+    np.testing.assert_allclose(stiff[1:], clipped[1:], atol=0.1)
+
+
 @pytest.mark.parametrize("curve", [0.4, 1.0, 3.0])
 def test_a_bent_bristle_gives_way_by_its_exponent(curve):
     m, reach, release = swing(), 0.02, 0.6

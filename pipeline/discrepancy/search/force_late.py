@@ -16,10 +16,13 @@ from pipeline.physics.viscous_friction import ViscousFriction
 def explained_in_time(problem: Problem) -> tuple[Problem, Explanation]:
     """The problem of a force moved by its delay, and what explains it there.
 
-    Beside a lag the delay is another: then both are looked for once more.
+    Beside a lag the delay is another: then both are looked for once more. A delay beside which
+    nothing explains the force as well as without one is none.
     """
     came = explain(averaged(problem)[0])
     moved, found = explained_with(problem, came)
+    if moved is not problem and found.choices[0].score > came.choices[0].score:
+        return problem, lagging(came)
     if LATE.name not in found.choices[0].fit.names:
         return moved, found
     return explained_with(problem, found)
