@@ -1,8 +1,11 @@
 """Play before a load that has mass: in the gap it runs on by itself."""
 
+from typing import ClassVar
+
 import numpy as np
 from numba import njit
 
+from pipeline.physics.driven_through_spring import thrown
 from pipeline.physics.held import dwells
 from pipeline.physics.motion import Motion
 from pipeline.physics.term import Parameter, Surroundings, Term
@@ -11,6 +14,8 @@ PARTS = 4
 MET = 1.0 - np.exp(-1.0 / PARTS)
 SLOWEST, FASTEST = 1e-3, 1e3
 COASTS_S = 0.05
+ELASTIC = "elastic"
+FREQUENCIES, DAMPING = 0.05 * 2.0 ** np.arange(7), 0.2
 
 
 @njit(cache=True)
@@ -48,8 +53,9 @@ class CoastingPlay(Term):
     Play as `backlash.py` has it stops the load wherever nothing pushes it. A load with mass runs on
     at the speed that it had until dry friction (`drag`, over the mass) and viscous friction
     (`fading`) have stopped it, or the other end of the gap, which does not throw it back. It starts
-    at rest in the middle of its gap. Source: Nordin and Gutman, Automatica 38 (2002) 1633 (backlash
-    between two masses).
+    at rest in the middle of its gap. In form "elastic" no rigid end of the gap drives it, but teeth
+    and a shaft that give (see `thrown`). Source: Nordin and Gutman, Automatica 38 (2002) 1633
+    (backlash between two masses).
     """
 
     name = "backlash"
@@ -60,19 +66,33 @@ class CoastingPlay(Term):
     timed = True
     group = "play"
     form = "coasting"
+    grows: ClassVar = {"coasting": (ELASTIC,)}
     says = (
         "The drive turns through {width} of play, in which the load runs on, slowed by {drag} of "
         "dry friction over its mass."
     )
 
+    def __init__(self, form: str = "") -> None:
+        super().__init__(form)
+        self.own_law = self.form == ELASTIC
+
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
         span, unit = around.drive_span, around.drive_unit
         drag, pace = usual_drag(around), usual_pace(around)
-        return (
+        own = (
             Parameter("width", unit, 0.0, 0.9 * span, 0.05 * span, 0.05 * span),
             Parameter("drag", f"{unit}/s^2", SLOWEST * drag, FASTEST * drag, drag, 0.0,
                       relative=True),
             Parameter("fading", "1/s", 0.0, 0.3 / max(around.dwell_s, 1e-9), pace, 3.0 * pace),
+        )  # fmt: skip
+        if self.form != ELASTIC:
+            return own
+        most = 6.0 / max(around.dwell_s, 1e-9)
+        return (
+            *own,
+            Parameter("natural_frequency", "rad/s", 1e-3 * most, most, 0.05 * most, 0.0,
+                      relative=True),
+            Parameter("damping", "", 0.0, 3.0, DAMPING, 0.5),
         )  # fmt: skip
 
     def respond(
@@ -81,15 +101,23 @@ class CoastingPlay(Term):
         asked = np.ascontiguousarray(signal)
         if state is None:
             state = np.array([motion.time_s[0], asked[0], asked[0], 0.0])
-        width, drag, fading = (float(v) for v in values)
         dwell = dwells(motion, float(state[0]))
-        out, last = coasted(asked, dwell, 0.5 * width, drag, fading, state[1:])
+        if self.form == ELASTIC:
+            out, last = thrown(asked, dwell, values, state[1:])
+        else:
+            width, drag, fading = (float(v) for v in values)
+            out, last = coasted(asked, dwell, 0.5 * width, drag, fading, state[1:])
         return out, np.concatenate([motion.time_s[-1:], last])
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
         widths = around.drive_span * np.array([0.003, 0.01, 0.03, 0.1])
         drags = usual_drag(around) * np.array([0.1, 1.0, 10.0])
         paces = usual_pace(around) * np.array([0.3, 3.0])
+        if self.form == ELASTIC:
+            swings = FREQUENCIES / max(around.dwell_s, 1e-9)
+            return np.array(
+                [[w, drags[1], paces[0], s, DAMPING] for w in widths[1:] for s in swings]
+            )
         return np.array([[w, drag, fading] for w in widths for drag in drags for fading in paces])
 
     def excited(self, motion: Motion, around: Surroundings) -> bool:

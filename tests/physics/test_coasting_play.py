@@ -52,6 +52,37 @@ def test_a_load_never_leaves_its_gap():
     assert np.max(np.abs(load(drive, drag=1.0) - drive)) <= 0.5 * WIDTH + 1e-9
 
 
+def test_a_load_that_meets_a_spring_is_thrown_back():
+    """Into a drive that stands, at a speed v: as far beyond the gap as v / w0, and out at -v."""
+    motion, speed, frequency = motion_of(np.zeros(1001)), 2.0, 25.0
+    values = np.array([WIDTH, 1e-9, 0.0, frequency, 0.0])
+    state = np.array([-STEP_S, 0.0, 0.0, speed])
+    swinging = term("backlash", "elastic")
+    at, _ = swinging.respond(motion.drive, motion, values, state)
+    assert np.max(at) == pytest.approx(0.5 * WIDTH + speed / frequency, rel=0.01)
+    met = (0.5 * WIDTH + np.pi / frequency * speed) / speed
+    back = int((met + 0.5 * WIDTH / speed) / STEP_S)
+    assert at[back] == pytest.approx(0.0, abs=0.03)
+    assert (at[back + 50] - at[back]) / (50 * STEP_S) == pytest.approx(-speed, rel=0.02)
+
+
+def test_a_load_on_a_spring_runs_behind_by_what_its_drag_stretches():
+    speed, drag, frequency = 5.0, 60.0, 40.0
+    motion = motion_of(stopping(speed)[:501])
+    values = np.array([WIDTH, drag, 0.0, frequency, 0.7])
+    at, _ = term("backlash", "elastic").respond(motion.drive, motion, values, None)
+    behind = 0.5 * WIDTH + drag / frequency**2
+    assert motion.drive[-1] - at[-1] == pytest.approx(behind, rel=1e-3)
+
+
+def test_a_load_on_a_stiff_spring_that_swallows_its_swing_coasts():
+    drive = 10.0 * np.sin(np.arange(3000) / 60.0)
+    motion, drag = motion_of(drive), 300.0
+    stiff = np.array([WIDTH, drag, 2.0, 2000.0, 1.0])
+    at, _ = term("backlash", "elastic").respond(drive, motion, stiff, None)
+    np.testing.assert_allclose(at, load(drive, drag, 2.0), atol=0.1 * WIDTH)
+
+
 def test_what_is_sampled_seldom_shows_no_coasting():
     coasting, motion = term("backlash", "coasting"), motion_of(np.arange(10.0))
     assert coasting.excited(motion, Surroundings(dwell_s=STEP_S))
