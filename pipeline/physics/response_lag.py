@@ -195,14 +195,17 @@ class ResponseLag(Term):
         return self.form in FIRST_ORDER and super().void(values)
 
     def excited(self, motion: Motion, around: Surroundings) -> bool:
-        """Form "running" where a drive is sampled too often to step and wait."""
+        """Form "running" where a drive is sampled too often to step and wait, "slewing" there too.
+
+        Elsewhere a top speed shows where the drive jumps, now and then.
+        """
         moves = around.drive_span > 0.0 and around.dwell_s > 0.0
         if self.form == "running":
             return moves and around.dwell_s < STEP_AND_WAIT_S
         if self.form != "slewing":
             return moves
-        jumps = np.abs(np.diff(motion.drive)) > JUMP * around.drive_span
-        return moves and 0.0 < float(np.mean(jumps)) < RARE
+        jumps = float(np.mean(np.abs(np.diff(motion.drive)) > JUMP * around.drive_span))
+        return moves and (0.0 < jumps < RARE or around.dwell_s < STEP_AND_WAIT_S)
 
     def sentence(self, values: np.ndarray, around: Surroundings) -> str:
         if self.form in FIRST_ORDER:

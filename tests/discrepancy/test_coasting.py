@@ -1,9 +1,12 @@
 """A geared servo that runs fast: its load coasts through the play."""
 
+from dataclasses import replace
+
 import numpy as np
 import pandas as pd
 
 from pipeline.physics.catalogue import term
+from pipeline.physics.held import slewed
 from pipeline.physics.motion import Motion
 from pipeline.recording import Recording
 from tests.discrepancy.made import ANGLE, CHANNELS, SIMULATED, diagnosed, names, value_of
@@ -12,8 +15,11 @@ STEP_S, NOISE = 0.01, 0.02
 WIDTH, DRAG, FADING = 1.0, 60.0, 2.0
 
 
-def servo() -> Recording:
-    """Sines of rising frequency, four of each, and a load that friction brakes slower than they."""
+def servo(form: str = "coasting", swing: tuple[float, ...] = ()) -> Recording:
+    """Sines of rising frequency, four of each, and a load that friction brakes slower than they.
+
+    swing: natural frequency [rad/s] and damping of form "elastic".
+    """
     parts = [
         a * np.sin(2.0 * np.pi * f * np.arange(0.0, 4.0 / f, STEP_S))
         for a, f in ((20.0, 0.3), (8.0, 0.3), (12.0, 1.0), (15.0, 0.5), (8.0, 1.5), (10.0, 0.8))
@@ -22,8 +28,8 @@ def servo() -> Recording:
     quarters = [4 * k + 4 * np.arange(len(part)) // len(part) for k, part in enumerate(parts)]
     motion = Motion(drive, STEP_S * np.arange(len(drive)), np.concatenate(quarters))
     steps = [np.arange(np.sum(motion.cycle == c)) for c in np.unique(motion.cycle)]
-    values = np.array([WIDTH, DRAG, FADING])
-    load = term("backlash", "coasting").respond(drive, motion, values, None)[0]
+    values = np.array([WIDTH, DRAG, FADING, *swing])
+    load = term("backlash", form).respond(drive, motion, values, None)[0]
     noise = NOISE * np.random.default_rng(3).standard_normal(len(drive))
     samples = pd.DataFrame({"time_s": motion.time_s, "cycle": motion.cycle,
                             "step": np.concatenate(steps), "pitch_command_deg": drive,
@@ -32,10 +38,33 @@ def servo() -> Recording:
     return Recording(samples, CHANNELS, "simulated")
 
 
+def test_a_servo_that_can_go_no_faster_is_late_by_that_and_nothing_else():
+    """Sines that run smoothly, the larger ones faster than the servo's 60 deg/s."""
+    recording = servo("coasting")
+    samples = recording.samples
+    drive = samples["pitch_command_deg"].to_numpy(float)
+    at = slewed(drive, np.full(len(drive), STEP_S), 0.03, 60.0, drive[0])
+    noise = NOISE * np.random.default_rng(4).standard_normal(len(drive))
+    found = diagnosed(replace(recording, samples=samples.assign(**{ANGLE: at + noise})))
+    assert names(found) == {"response_lag"}
+    assert found.diagnoses[0].after.heldout_rmse < 1.1 * NOISE
+    assert abs(value_of(found, "response_lag", "top_speed").value - 60.0) < 1.0
+
+
 def test_play_with_a_load_that_coasts_is_backlash_and_nothing_else():
     found = diagnosed(servo())
     assert names(found) == {"backlash"}
     assert found.diagnoses[0].after.heldout_rmse < 1.1 * NOISE
     for parameter, value in (("width", WIDTH), ("drag", DRAG), ("fading", FADING)):
+        told = value_of(found, "backlash", parameter)
+        assert abs(told.value - value) < 0.1 * value
+
+
+def test_play_with_a_load_that_swings_where_teeth_meet_is_backlash_and_nothing_else():
+    frequency = 60.0
+    found = diagnosed(servo("elastic", (frequency, 0.15)))
+    assert names(found) == {"backlash"}
+    assert found.diagnoses[0].after.heldout_rmse < 1.2 * NOISE
+    for parameter, value in (("width", WIDTH), ("natural_frequency", frequency)):
         told = value_of(found, "backlash", parameter)
         assert abs(told.value - value) < 0.1 * value
