@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from pipeline.discrepancy.fitting.fit import evaluate, ground_of
-from pipeline.discrepancy.judgement.verdict import weightier
+from pipeline.discrepancy.judgement.verdict import plainly_told, weightier
 from pipeline.discrepancy.noise.noise import NoiseModel
 from pipeline.discrepancy.search.accuracy import evenly_calibrated
 from pipeline.discrepancy.search.choose import Choice, names
@@ -44,3 +44,17 @@ def test_beside_a_small_rest_what_explains_more_than_that_keeps_its_name(structu
     choice = Choice(evaluate(ground, (PLAY, RIPPLE, DRIFT)), (0, 0, 0), 0.0)
     explanation = explanation_of([choice])
     assert names(weightier(explanation, choice, structured)) == {PLAY.term.name, *stay}
+
+
+@pytest.mark.parametrize(("size", "stay"), [(0.4, True), (4.0, False)])
+def test_beside_a_rest_several_names_stay_that_each_explain_many_times_as_much(size, stay):
+    hidden = {"backlash": {"width": 4.0}, "transmission_ripple": {"amplitude": 4.0, "period": 30.0,
+              "phase": 0.5}}  # fmt: skip
+    plain = recorded(hidden)
+    swing = size * np.sin(np.linspace(0.0, 21.0, len(plain.samples)))
+    problem = posed(changed(plain, **{ANGLE: plain.samples[ANGLE] + swing}))
+    ground = ground_of(problem, NoiseModel(NOISE), problem.train)
+    ripple = Piece(RIPPLE.term, np.array([4.0, 30.0, 0.5]))
+    choice = Choice(evaluate(ground, (PLAY, ripple)), (0, 0, 0), 0.0)
+    told = names(plainly_told(explanation_of([choice]), choice, NOISE**2))
+    assert told == ({"backlash", "transmission_ripple"} if stay else set())

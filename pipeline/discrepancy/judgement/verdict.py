@@ -15,6 +15,7 @@ from pipeline.discrepancy.search.pressed import plainer
 
 ENOUGH = 0.7
 MOST_LEFT = 0.1
+PLAINLY = 8.0
 UNFOLLOWED = 0.7
 FORM_ERROR = 0.05
 ODDS, BESIDE, RESTLESS = 2.0, 3.0, 7.0
@@ -73,8 +74,9 @@ def fewer(explanation: Explanation, choice: Choice) -> Choice:
 
     Where that rest is less than a twentieth of the mismatch (RMS), all names stay that explain more
     than they leave together: then it is the form of a term, but not of as many as a search takes.
-    Else the best single term stays if it alone explains most of the mismatch, and nine tenths of
-    its structure, which the noise that was learnt from repeats may hide; otherwise none does.
+    So do those that each explain eight times what they leave together. Else the best single term
+    stays if it alone explains most of the mismatch, and nine tenths of its structure, which the
+    noise that was learnt from repeats may hide; otherwise none does.
     """
     if not choice.fit.pieces:
         return choice
@@ -86,6 +88,9 @@ def fewer(explanation: Explanation, choice: Choice) -> Choice:
     before = mean_square(explanation, base) - noise
     if not piled(choice) and rest_of(choice, explanation) ** 2 < FORM_ERROR**2 * before:
         return weightier(explanation, choice, np.inf)
+    told = plainly_told(explanation, choice, noise)
+    if told.fit.pieces and not piled(told):
+        return told
     single = min(singles(explanation, choice), key=lambda c: c.score)
     left = mean_square(explanation, single) - noise
     enough = left < (1.0 - ENOUGH) * before
@@ -141,6 +146,25 @@ def weightier(explanation: Explanation, choice: Choice, structured: float) -> Ch
     if least >= 1.0:
         return choice
     return weightier(explanation, explanation.search.weighed(fit, choice.place), structured)
+
+
+def plainly_told(explanation: Explanation, choice: Choice, noise: float) -> Choice:
+    """Only terms that each explain PLAINLY times what they leave together.
+
+    That is what is beyond the noise (its mean square), or the structure that shows in it: noise
+    that was learnt from repeats may hold it. The one that explains least goes first.
+    """
+    left = mean_square(explanation, choice)
+    needed = PLAINLY * max(left - noise, rest_of(choice, explanation) ** 2)
+    without = []
+    for piece in choice.fit.pieces:
+        rest = [p for p in choice.fit.pieces if p is not piece]
+        fit = improve(evaluate(choice.fit.ground, rest))
+        without.append((mean_square(explanation, replace(choice, fit=fit)) - left, fit))
+    least, fit = min(without, key=lambda w: w[0], default=(np.inf, choice.fit))
+    if least >= needed:
+        return choice
+    return plainly_told(explanation, explanation.search.weighed(fit, choice.place), noise)
 
 
 def mean_square(explanation: Explanation, choice: Choice) -> float:
