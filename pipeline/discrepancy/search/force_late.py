@@ -2,10 +2,13 @@
 
 from dataclasses import replace
 
+import numpy as np
+
+from pipeline.discrepancy.fitting.charge import complexity, independent
 from pipeline.discrepancy.fitting.reform import reformed
 from pipeline.discrepancy.problem.force_problem import averaged
 from pipeline.discrepancy.problem.problem import Problem
-from pipeline.discrepancy.search.choose import among, best_of_each, extended
+from pipeline.discrepancy.search.choose import Choice, among, best_of_each, extended
 from pipeline.discrepancy.search.explain import Explanation, explain
 from pipeline.discrepancy.search.force_delay import delay_of, late
 from pipeline.discrepancy.search.polish import polished
@@ -21,11 +24,24 @@ def explained_in_time(problem: Problem) -> tuple[Problem, Explanation]:
     """
     came = explain(averaged(problem)[0])
     moved, found = explained_with(problem, came)
-    if moved is not problem and found.choices[0].score > came.choices[0].score:
+    if moved is not problem and better(came.choices[0], found.choices[0]):
         return problem, lagging(came)
     if LATE.name not in found.choices[0].fit.names:
         return moved, found
     return explained_with(problem, found)
+
+
+def better(choice: Choice, other: Choice) -> bool:
+    """Whether a choice explains a force better than another that was judged beside other noise.
+
+    Their scores count other rows as one: here both leave as many errors as the first one's do.
+    """
+    count = independent(choice.fit.ground)
+    left, other_left = (
+        2.0 * count * np.log(c.fit.ground.noise.deviation) + complexity(c.fit)
+        for c in (choice, other)
+    )
+    return bool(left < other_left)
 
 
 def explained_with(problem: Problem, known: Explanation) -> tuple[Problem, Explanation]:
