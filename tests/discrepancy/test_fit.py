@@ -89,7 +89,7 @@ def test_a_lead_is_begun_beside_terms_that_make_room_for_it():
     contact = term("contact", "upper")
     lead = screen(fit, effects_of(fit.ground.problem, [contact]), [contact])[0]
     beside = evaluate(fit.ground, (*fit.pieces, Piece(contact, lead.values)))
-    begun = started(fit, [lead])
+    begun = started(fit, [lead], room=True)
     assert beside.cost > fit.cost
     assert begun.cost < beside.cost - 100.0
     assert begun.values[-3:] == pytest.approx(lead.values)

@@ -110,10 +110,12 @@ def late(fit: Fit) -> list[Piece]:
     return [p for p in fit.pieces if p.term.remembers and not p.term.adds]
 
 
-def screen(fit: Fit, effects: Effects, terms: Sequence[Term], starts: int = 3) -> list[Lead]:
+def screen(
+    fit: Fit, effects: Effects, terms: Sequence[Term], starts: int = 3, quick: bool = False
+) -> list[Lead]:
     """The `starts` best candidates of each term beside a fit, best first.
 
-    None that could only gain by a size that its bounds don't allow.
+    None that could only gain by a size that its bounds don't allow, unless that is to be quick.
     """
     ground = fit.ground
     places = effects.promising(fit, terms, PROMISING) + sudden(fit, terms)
@@ -127,7 +129,7 @@ def screen(fit: Fit, effects: Effects, terms: Sequence[Term], starts: int = 3) -
     gains, factors = gains_of(fit, sized_of(places), columns.T)
     for (term, values), gain, factor in zip(places, gains, factors, strict=True):
         scaled = clipped(fit, term, term.scaled(values, factor))
-        if gain > 0.0 and not term.void(scaled):
+        if gain > 0.0 and (quick or not term.void(scaled)):
             best.setdefault((term.name, term.form), []).append(Lead(term, scaled, gain))
     leads = [lead for few in best.values() for lead in sorted(few, key=lambda x: -x.gain)[:starts]]
     return sorted(leads, key=lambda lead: -lead.gain)
@@ -176,16 +178,16 @@ def clipped(fit: Fit, term: Term, values: np.ndarray) -> np.ndarray:
     return np.clip(values, [p.low for p in parameters], [p.high for p in parameters])
 
 
-def started(fit: Fit, leads: Sequence[Lead]) -> Fit:
+def started(fit: Fit, leads: Sequence[Lead], room: bool = False) -> Fit:
     """The fit with the best of some leads of one term added, not yet improved.
 
-    What a lead promises holds for terms that make room for it: each is begun beside them as they
-    stand and as they would then be. Else what bends much where others bend already is taken back
-    to nothing before they have moved.
+    room: each is begun beside the others as they would then be, too. What a lead promises holds for
+    terms that make room for it: what bends much where others bend already may be taken back to
+    nothing before they have moved.
     """
     trials = []
     for lead in leads:
         pieces = (*fit.pieces, Piece(lead.term, lead.values))
         trial = calibrated(fit.ground, pieces, respond_beside(fit, pieces, lead.term))
-        trials += [trial, *followed(fit, trial)]
+        trials += [trial, *followed(fit, trial)] if room else [trial]
     return min(trials, key=lambda trial: trial.cost)

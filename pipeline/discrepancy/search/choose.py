@@ -53,7 +53,8 @@ class Search:
 
     vain: scores of choices for which a set of forms was tried in vain. seen: the best choice of
     each set of names that was weighed, taken or not. wide: whether what gains much less than the
-    best at first is followed, too.
+    best at first is followed, too. quick: whether leads are taken as they come: of a beam's many
+    sets few are followed, and what none of their bounds allows is left to the polish to find out.
     """
 
     terms: tuple[Term, ...]
@@ -62,6 +63,7 @@ class Search:
     vain: dict[Key, float] = field(default_factory=dict)
     seen: dict[frozenset[str], Choice] = field(default_factory=dict)
     wide: bool = False
+    quick: bool = False
 
     @property
     def clear(self) -> float:
@@ -178,7 +180,7 @@ def choose(search: Search, ground: Ground) -> list[Choice]:
         before = min(c.score for c in found.values())
         level: dict[Key, Choice] = {}
         for parent in beam:
-            for child in extended(search, parent):
+            for child in extended(replace(search, quick=True), parent):
                 if child.fit.key not in level or child.score < level[child.fit.key].score:
                     level[child.fit.key] = child
         if not level:
@@ -249,7 +251,7 @@ def extended(
     found: dict[Key, Fit] = {}
     unknown = not parent.fit.pieces and search.family.prior.repeats == 0
     for start, own in starts:
-        groups = by_term(screen(start, search.effects, own))
+        groups = by_term(screen(start, search.effects, own, quick=search.quick))
         groups = leading(groups, branches, lambda few: (few[0].term.name, few[0].term.kin))
         for few in hopeful(groups, 0.0 if unknown else TERM_COST, search.clear):
             trial = improve(started(start, few), 3, start)
@@ -263,7 +265,7 @@ def extended(
         still = search.stilled(parent.fit, parent.place, 4)[0]
         late = [
             improve(started(still, few), 3, still)
-            for few in by_term(screen(still, search.effects, slow))
+            for few in by_term(screen(still, search.effects, slow, quick=search.quick))
         ]
     trials = worthwhile(search, parent, list(found.values()), late, max(branches - 2, 3))
     fits = [settle_moments(improve(trial, 8)) for trial in trials]

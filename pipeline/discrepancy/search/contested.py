@@ -17,6 +17,7 @@ from pipeline.discrepancy.search.choose import (
     simpler,
 )
 from pipeline.discrepancy.search.disguise import plain
+from pipeline.discrepancy.search.moves import recurved
 from pipeline.discrepancy.search.polish import polished
 from pipeline.physics.catalogue import BENDS
 
@@ -30,7 +31,7 @@ def contested(search: Search, choices: Sequence[Choice]) -> list[Choice]:
     Terms that a search added on its way lead the others to sizes from which no small step leads
     back. So before a name of several is believed, the best few sets without it are looked for from
     the beginning, among their own names only, until one wins clearly. What bends one static curve
-    is one name here.
+    is one name here: where such a set wins, others that draw its curve are tried in it.
     """
     best, found = choices[0], list(choices)
     ground = next(c for c in choices if not c.fit.pieces).fit.ground
@@ -43,7 +44,8 @@ def contested(search: Search, choices: Sequence[Choice]) -> list[Choice]:
         found += own_choices
         if own_choices[0].score < best.score - LEAST_GAIN:
             break
-    return best_of_each(found)
+    won = min(found, key=lambda c: c.score)
+    return best_of_each([*found, recurved(search, won)] if won is not best else found)
 
 
 def levelled(search: Search, choices: Sequence[Choice]) -> list[Choice]:

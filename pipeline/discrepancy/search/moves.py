@@ -34,7 +34,8 @@ def unpromised(search: Search, choice: Choice) -> Choice:
     if not fit.pieces:
         return choice
     trials = [
-        improve(started(fit, few), 3, fit) for few in by_term(screen(fit, search.effects, bends))
+        improve(started(fit, few, room=True), 3, fit)
+        for few in by_term(screen(fit, search.effects, bends))
     ]
     best = min(trials, key=lambda t: t.cost, default=fit)
     if choice.score - search.hoped(best, choice.place) <= -FAINT:
@@ -58,7 +59,7 @@ def recurved(search: Search, choice: Choice) -> Choice:
             t for t in allowed(search.terms, fit) if curves(t) and (t.name, t.form) not in gone
         ]
         leads = by_term(screen(fit, search.effects, others))
-        trials = [improve(started(fit, few), 3, fit) for few in leads]
+        trials = [improve(started(fit, few, room=True), 3, fit) for few in leads]
         best = improve(min(trials, key=lambda t: t.cost, default=fit), 2 * ITERATIONS)
         if choice.score - search.hoped(best, choice.place) > -FAINT:
             found = min(found, search.weighed(best, choice.place), key=lambda c: c.score)

@@ -14,7 +14,7 @@ from pipeline.discrepancy.search.exchange import exchanged
 from pipeline.discrepancy.search.moves import merged, recurved, sheathed, unpromised
 from pipeline.discrepancy.search.stepped import stepped
 
-WORTH = 150.0
+WORTH, ROUNDS = 150.0, 6
 
 
 def polished(search: Search, choices: list[Choice]) -> list[Choice]:
@@ -40,7 +40,7 @@ def _polished(search: Search, choices: list[Choice]) -> list[Choice]:
     """A swap begins from the rest refitted, and from the rest as it stood beside the old term."""
     found = {c.fit.key: c for c in choices}
     tried: set[Key] = set()
-    for _ in range(3):
+    for _ in range(ROUNDS):
         best = min(found.values(), key=lambda c: c.score)
         richest = search.whitened(exchanged(search, merged(search, grown(search, best))))
         if richest is not best:
