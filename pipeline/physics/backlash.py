@@ -60,8 +60,12 @@ class Backlash(Term):
         self.only_beside = TransmissionRipple.name if form == AHEAD else ""
 
     @property
-    def kin(self) -> str:
+    def in_usual_order(self) -> str:
         return ""
+
+    @property
+    def kin(self) -> str:
+        return self.in_usual_order
 
     def elsewhere(self) -> Term | None:
         return None if self.only_beside else Backlash(AHEAD)

@@ -63,10 +63,8 @@ def terms(other_commands: Iterable[str] = ()) -> tuple[Term, ...]:
     """
     return (
         LostSteps(),
-        LostSteps(f"once{BEHIND}"),
         TransmissionRipple(),
         Backlash(),
-        Backlash(AHEAD),
         CoastingPlay(),
         Friction(),
         Friction("driven"),
@@ -85,8 +83,6 @@ def terms(other_commands: Iterable[str] = ()) -> tuple[Term, ...]:
         Creep("running"),
         TensionLoss(),
         TensionLoss("cycle"),
-        TensionLoss(f"linear {AHEAD}"),
-        TensionLoss(f"cycle {AHEAD}"),
         Gravity(),
         Contact("upper"),
         Contact("lower"),
@@ -106,6 +102,10 @@ def terms(other_commands: Iterable[str] = ()) -> tuple[Term, ...]:
         Drift("cycle"),
         Drift("exponential"),
         Drift("wave"),
+        LostSteps(f"once{BEHIND}"),
+        Backlash(AHEAD),
+        TensionLoss(f"linear {AHEAD}"),
+        TensionLoss(f"cycle {AHEAD}"),
     )
 
 

@@ -40,8 +40,12 @@ class LostSteps(Term):
         self.times = 2 if form.startswith("twice") else 1
 
     @property
-    def kin(self) -> str:
+    def in_usual_order(self) -> str:
         return self.form.removesuffix(BEHIND)
+
+    @property
+    def kin(self) -> str:
+        return self.in_usual_order
 
     def elsewhere(self) -> Term | None:
         return None if self.only_beside else LostSteps(f"{self.form}{BEHIND}")

@@ -68,14 +68,17 @@ class TensionLoss(Term):
 
     def __init__(self, form: str = "linear") -> None:
         self.form = form
-        self.course = form.removesuffix(AHEAD).rstrip()
-        ahead = self.course != form
+        ahead = form.endswith(AHEAD)
         self.place = FIRST if ahead else TensionLoss.place
         self.only_beside = TransmissionRipple.name if ahead else ""
 
     @property
+    def in_usual_order(self) -> str:
+        return self.form.removesuffix(AHEAD).rstrip()
+
+    @property
     def kin(self) -> str:
-        return "linear" if self.course == "cycle" else self.course
+        return "linear" if self.in_usual_order == "cycle" else self.in_usual_order
 
     def elsewhere(self) -> Term | None:
         return None if self.only_beside else TensionLoss(f"{self.form} {AHEAD}")
@@ -85,15 +88,15 @@ class TensionLoss(Term):
         travel = around.travel
         most = span / travel
         growth = Parameter("growth", f"{unit}/{unit}", 0.0, 4.0 * most, 0.05 * most, 0.05 * most)
-        if "cycle" in self.course:
+        if "cycle" in self.in_usual_order:
             each, a_cycle = span / max(around.cycles, 1), f"{unit}/cycle"
             growth = Parameter("growth_a_cycle", a_cycle, 0.0, 4 * each, 0.05 * each, 0.05 * each)
         own = (growth, Parameter("width", unit, 0.0, 0.8 * span, 0.02 * span, 0.05 * span))
-        if self.course == "late":
+        if self.in_usual_order == "late":
             return (*own, Parameter("onset", unit, 0.0, 0.9 * travel, 0.2 * travel, 0.0))
-        if "round" in self.course:
+        if "round" in self.in_usual_order:
             return (*own, Parameter("rounding", "", 0.0, 1.0, 0.5, 0.2))
-        if self.course == "settling":
+        if self.in_usual_order == "settling":
             low, high = 0.05 * travel, 5.0 * travel
             return (*own, Parameter("settled", unit, low, high, 0.7 * travel, 0.0))
         return own
@@ -102,10 +105,10 @@ class TensionLoss(Term):
         self, signal: np.ndarray, motion: Motion, values: np.ndarray, state: np.ndarray | None
     ) -> tuple[np.ndarray, np.ndarray]:
         growth, width, *more = values
-        onset = more[0] if self.course == "late" else 0.0
-        settled = more[0] if self.course == "settling" else np.inf
-        parts = [1.0 + more[0] * k for k in BESIDE] if "round" in self.course else [1.0]
-        by_cycle = "cycle" in self.course
+        onset = more[0] if self.in_usual_order == "late" else 0.0
+        settled = more[0] if self.in_usual_order == "settling" else np.inf
+        parts = [1.0 + more[0] * k for k in BESIDE] if "round" in self.in_usual_order else [1.0]
+        by_cycle = "cycle" in self.in_usual_order
         if state is None:
             begun = [*[signal[0]] * len(parts), signal[0], 0.0]
             state = np.array([*begun, motion.cycle[0]] if by_cycle else begun)
@@ -124,18 +127,18 @@ class TensionLoss(Term):
         return (plays[0] if len(plays) == 1 else np.mean(plays, axis=0)), kept
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
-        parts = around.cycles if "cycle" in self.course else around.travel
+        parts = around.cycles if "cycle" in self.in_usual_order else around.travel
         growths = around.drive_span / max(parts, 1e-9) * np.array([0.01, 0.05, 0.2])
         rows = [[g, w * around.drive_span] for g in growths for w in (0.0, 0.02, 0.06)]
-        if self.course in ("linear", "cycle"):
+        if self.in_usual_order in ("linear", "cycle"):
             return np.array(rows)
-        if "round" in self.course:
+        if "round" in self.in_usual_order:
             return np.array([[*r, 0.5] for r in rows])
         return np.array([[*r, s * around.travel] for r in rows for s in (0.15, 0.4)])
 
     def retold(self, starts: np.ndarray) -> np.ndarray:
         """Play that settles looks steady once it has: as wide by then, it may all have grown."""
-        if self.course != "settling":
+        if self.in_usual_order != "settling":
             return starts
         sooner = starts * [1.0, 1.0, SOONER]
         grown = np.vstack([starts, sooner])
@@ -155,7 +158,7 @@ class TensionLoss(Term):
         return around.cycles >= 2 and around.travel > 0.0
 
     def sentence(self, values: np.ndarray, around: Surroundings) -> str:
-        if "cycle" not in self.course:
+        if "cycle" not in self.in_usual_order:
             return super().sentence(values, around)
         unit = around.drive_unit
         return (

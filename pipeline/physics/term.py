@@ -170,6 +170,11 @@ class Term:
     def side(self) -> float:
         return 0.0
 
+    @property
+    def in_usual_order(self) -> str:
+        """Its form with the usual order on the shaft: what differs in that alone shows at once."""
+        return self.form
+
     def elsewhere(self) -> "Term | None":
         """This term at its other place in the chain, its parameters the same; None without one.
 

@@ -4,7 +4,12 @@ import numpy as np
 import pytest
 
 from pipeline.discrepancy.fitting.fit import evaluate
-from pipeline.discrepancy.search.elsewhere import differing, there, with_others_elsewhere
+from pipeline.discrepancy.search.elsewhere import (
+    differing,
+    in_better_order,
+    there,
+    with_others_elsewhere,
+)
 from pipeline.physics.catalogue import term, terms
 from pipeline.physics.mechanism import Piece
 from pipeline.physics.term import HELD
@@ -63,3 +68,22 @@ def test_the_order_on_the_shaft_is_found(key, size, parameters):
     assert found.term.form == form
     told = dict(zip([p.name for p in best.fit.box.parameters], best.fit.values, strict=True))
     assert told[size] == pytest.approx(parameters[size], rel=0.1)
+
+
+def test_of_two_orders_on_the_shaft_the_better_one_is_followed(ground):
+    ripple = [1.0, 31.0, 0.0]
+    fits = [
+        fitted(ground, transmission_ripple=ripple, backlash=[4.0]),
+        evaluate(
+            ground,
+            [
+                Piece(term("transmission_ripple"), np.array(ripple)),
+                Piece(term("backlash", "ahead of ripple"), np.array([1.0])),
+            ],
+        ),
+        fitted(ground, transmission_ripple=ripple, creep=[0.1, 20.0]),
+    ]
+    kept = in_better_order({fit.key: fit for fit in fits})
+    worse = max(fits[:2], key=lambda fit: fit.cost)
+    assert len(kept) == 2
+    assert not any(fit is worse for fit in kept)

@@ -19,7 +19,13 @@ from pipeline.discrepancy.fitting.reform import reformed
 from pipeline.discrepancy.fitting.screen import Effects, Lead, effects_of, screen, started
 from pipeline.discrepancy.noise.family import WHITE, NoiseFamily
 from pipeline.discrepancy.problem.problem import Problem
-from pipeline.discrepancy.search.elsewhere import Key, differing, kin_of, with_others_elsewhere
+from pipeline.discrepancy.search.elsewhere import (
+    Key,
+    differing,
+    in_better_order,
+    kin_of,
+    with_others_elsewhere,
+)
 from pipeline.physics.catalogue import richer, with_richer
 from pipeline.physics.term import Term
 
@@ -267,7 +273,7 @@ def extended(
             improve(started(still, few), 3, still)
             for few in by_term(screen(still, search.effects, slow, quick=search.quick))
         ]
-    trials = worthwhile(search, parent, list(found.values()), late, max(branches - 2, 3))
+    trials = worthwhile(search, parent, in_better_order(found), late, max(branches - 2, 3))
     fits = [settle_moments(improve(trial, 8)) for trial in trials]
     return [search.weighed(fit, parent.place) for fit in fits]
 

@@ -6,7 +6,7 @@ more; play turns before the shaft's ripple or behind it. Such physics has a form
 idea, share one place in a search, and only the usual form is offered.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
 from pipeline.discrepancy.fitting.fit import TOLERANCE, Fit, evaluate, improve
@@ -39,6 +39,20 @@ def with_others_elsewhere(fit: Fit) -> dict[str, Fit]:
         same = abs(moved.cost - fit.cost) < TOLERANCE
         found[beside] = moved if same else improve(moved, 3)
     return found
+
+
+def in_better_order(trials: Mapping[Key, Fit]) -> list[Fit]:
+    """Trials of one parent, of those that differ in the order on the shaft alone the best one.
+
+    That shows at once; what a joint does that is held, only when what holds it has been fitted.
+    """
+    best: dict[Key, Fit] = {}
+    for trial in sorted(trials.values(), key=lambda t: t.cost):
+        best.setdefault(
+            frozenset((p.term.name, p.term.in_usual_order) for p in trial.pieces), trial
+        )
+    kept = {id(trial) for trial in best.values()}
+    return [trial for trial in trials.values() if id(trial) in kept]
 
 
 def freed(fit: Fit) -> Fit:
