@@ -10,6 +10,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
 from pipeline.discrepancy.fitting.fit import TOLERANCE, Fit, evaluate, improve
+from pipeline.physics.mechanism import Piece
 from pipeline.physics.term import Term
 
 Key = frozenset[tuple[str, str]]
@@ -26,19 +27,25 @@ def differing(terms: Iterable[Term], fit: Fit) -> list[Term]:
     return [t for t in terms if not t.only_beside or t.only_beside in found]
 
 
-def with_others_elsewhere(fit: Fit) -> dict[str, Fit]:
-    """The fit with terms at their other place, by what that makes a difference beside."""
+def pieces_elsewhere(fit: Fit) -> dict[str, list[Piece]]:
+    """A fit's pieces with terms at their other place, by what that makes a difference beside."""
     places = [p.term.elsewhere() for p in fit.pieces]
-    found = {}
-    for beside in dict.fromkeys(t.only_beside for t in places if t is not None):
-        pieces = [
+    return {
+        beside: [
             p if term is None or term.only_beside != beside else replace(p, term=term)
             for p, term in zip(fit.pieces, places, strict=True)
         ]
-        moved = evaluate(fit.ground, pieces)
-        same = abs(moved.cost - fit.cost) < TOLERANCE
-        found[beside] = moved if same else improve(moved, 3)
-    return found
+        for beside in dict.fromkeys(t.only_beside for t in places if t is not None)
+    }
+
+
+def with_others_elsewhere(fit: Fit) -> dict[str, Fit]:
+    """The fit with terms at their other place, by what that makes a difference beside."""
+    found = {k: evaluate(fit.ground, pieces) for k, pieces in pieces_elsewhere(fit).items()}
+    return {
+        beside: moved if abs(moved.cost - fit.cost) < TOLERANCE else improve(moved, 3)
+        for beside, moved in found.items()
+    }
 
 
 def in_better_order(trials: Mapping[Key, Fit]) -> list[Fit]:
@@ -57,9 +64,9 @@ def in_better_order(trials: Mapping[Key, Fit]) -> list[Fit]:
 
 def freed(fit: Fit) -> Fit:
     """The fit, with terms at their other place where that makes a difference, if better."""
-    found, moved = there(fit), with_others_elsewhere(fit)
-    others = [improve(other) for beside, other in moved.items() if beside in found]
-    return min([fit, *others], key=lambda f: f.cost)
+    found, others = there(fit), pieces_elsewhere(fit)
+    moved = [improve(evaluate(fit.ground, others[k])) for k in others if k in found]
+    return min([fit, *moved], key=lambda f: f.cost)
 
 
 def kin_of(fit: Fit) -> Key:
