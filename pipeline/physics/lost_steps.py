@@ -86,10 +86,9 @@ class LostSteps(Term):
         return len(motion) > 20
 
     def sentence(self, values: np.ndarray, around: Surroundings) -> str:
-        if self.times == 1:
-            return super().sentence(values, around)
         named = {
             p.name: f"{worded(abs(v))} {p.unit}"
             for p, v in zip(self.parameters(around), values, strict=True)
         }
-        return self.says_twice.format(**named)
+        told = (self.says if self.times == 1 else self.says_twice).format(**named)
+        return told.replace("The shaft", "The wire on its pulley") if self.only_beside else told

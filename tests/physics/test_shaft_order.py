@@ -63,3 +63,12 @@ def test_without_a_ripple_the_place_on_the_shaft_makes_no_difference(one):
     np.testing.assert_array_equal(answered(Piece(one, values)), answered(Piece(usual, values)))
     apart = answered(Piece(one, values), RIPPLE) - answered(Piece(usual, values), RIPPLE)
     assert np.ptp(apart) > 1e-3
+
+
+@pytest.mark.parametrize("times", ["once", "twice"])
+def test_what_slips_behind_the_ripple_is_told_as_the_wire(times):
+    slip = term("lost_steps", f"{times}{BEHIND}")
+    told = slip.sentence(slip.candidates(MOTION, AROUND)[0], AROUND)
+    assert told.startswith("The wire on its pulley slipped by 1.1 deg at ")
+    usual = term("lost_steps", times).sentence(slip.candidates(MOTION, AROUND)[0], AROUND)
+    assert usual == told.replace("wire on its pulley", "shaft")
