@@ -332,9 +332,7 @@ def improve(fit: Fit, iterations: int = ITERATIONS, begun: Fit | None = None) ->
     for _ in range(iterations):
         known = slopes is None
         slopes = _beside_nuisances(fit, fit.slopes) if slopes is None else slopes
-        gradient = slopes.T @ fit.innovations - box.precision * (fit.values - box.centre)
-        normal = slopes.T @ slopes
-        normal.flat[:: fit.free + 1] += box.precision
+        normal, gradient = _equations(fit, slopes, fit.innovations)
         better, foretold, damping = _stepped(fit, box, normal, gradient, damping)
         if better is None:
             if known:
@@ -354,15 +352,23 @@ def followed(fit: Fit, trial: Fit) -> list[Fit]:
     """A trial that has one more term than a fit, the fit's own terms one step on beside that."""
     if not fit.pieces:
         return []
-    box = fit.box
-    slopes = _beside_nuisances(fit, fit.slopes)
-    gradient = slopes.T @ trial.innovations - box.precision * (fit.values - box.centre)
-    normal = slopes.T @ slopes
-    normal.flat[:: fit.free + 1] += box.precision
+    box, slopes = fit.box, _beside_nuisances(fit, fit.slopes)
+    normal, gradient = _equations(fit, slopes, trial.innovations)
     values, foretold = stepped(fit.values, normal, gradient, box.low, box.high, FIRST_DAMPING)
     if foretold < TOLERANCE:
         return []
     return [evaluate(fit.ground, (*_with_values(fit.pieces, values), *trial.pieces[-1:]))]
+
+
+def _equations(
+    fit: Fit, slopes: np.ndarray, innovations: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Normal matrix and half the cost's fall by each parameter, (free, free) and (free,)."""
+    box = fit.box
+    gradient = slopes.T @ innovations - box.precision * (fit.values - box.centre)
+    normal = slopes.T @ slopes
+    normal.flat[:: fit.free + 1] += box.precision
+    return normal, gradient
 
 
 def _stepped(
