@@ -52,23 +52,29 @@ def place(plant: Plant, effect: Effect, size: float) -> Plant:
     return replace(plant, camera=replace(plant.camera, **camera), **parts)  # type: ignore[arg-type]
 
 
+def _tossed(rng: np.random.Generator) -> bool:
+    return bool(rng.random() < 0.5)
+
+
 Draw = Callable[[np.random.Generator, Motion, Plant], Effect]
 
 
 def lost_steps(rng: np.random.Generator, motion: Motion, plant: Plant) -> Effect:
-    """The drive slips once, either way, at a random sample of the second to the eighth cycle."""
+    """Motor or wire slip once, either way, at a random sample of the second to the eighth cycle."""
     sample = int(rng.integers(230, 1580))
     sign = float(rng.choice([-1.0, 1.0]))
-    return Effect("lost_steps", {"slip_deg": sign, "slip_sample": sample}, ("slip_deg",), 30.0)
+    settings: Settings = {"slip_deg": sign, "slip_sample": sample, "slip_on_drum": _tossed(rng)}
+    return Effect("lost_steps", settings, ("slip_deg",), 30.0)
 
 
 def transmission_ripple(rng: np.random.Generator, motion: Motion, plant: Plant) -> Effect:
-    """An uneven gear: a sine of the shaft's angle, with or without its overtone."""
+    """An uneven gear or drum: a sine of its angle, with or without its overtone."""
     settings: Settings = {
         "mesh_deg": 1.0,
         "mesh_period_deg": float(np.exp(rng.uniform(np.log(7.0), np.log(45.0)))),
         "mesh_phase": float(rng.uniform(0, 2 * np.pi)),
         "mesh_overtone": float(rng.choice([0.0, rng.uniform(0.05, 0.3)])),
+        "mesh_on_drum": _tossed(rng),
     }
     return Effect("transmission_ripple", settings, ("mesh_deg",), 20.0)
 

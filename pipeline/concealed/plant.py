@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from pipeline.concealed import gear
 from pipeline.concealed.camera import Camera, seen_deg
 from pipeline.concealed.motions import MOVE_S, Motion
 from pipeline.concealed.outside import OUTSIDE
@@ -30,17 +31,20 @@ class Nominal:
 class Plant:
     """All parts; the defaults do nothing, and the joint then follows the nominal curve.
 
-    Torques are in units of the joint's bending stiffness times a degree; `viscosity_s` is the
-    time constant with which a viscous body follows its wires.
+    A slip and an uneven gear stand before the clearance, on the motor's side, unless they are on
+    the drum. Torques are in units of the joint's bending stiffness times a degree; `viscosity_s` is
+    the time constant with which a viscous body follows its wires.
     """
 
     nominal: Nominal = field(default_factory=Nominal)
     slip_deg: float = 0.0
     slip_sample: int = 0
+    slip_on_drum: bool = False
     mesh_deg: float = 0.0
     mesh_period_deg: float = 20.0
     mesh_phase: float = 0.0
     mesh_overtone: float = 0.0
+    mesh_on_drum: bool = False
     clearance_deg: float = 0.0
     wear_per_deg: float = 0.0
     wear_saturation_deg: float = 0.0
@@ -94,8 +98,13 @@ def joint_deg(plant: Plant, motion: Motion) -> np.ndarray:
     """True angle of the joint [deg] at each sample, shape (n,)."""
     before = _homing(plant.homing_deg)
     skip = len(before)
-    shaft = np.concatenate([before, _shaft(plant, motion)])
-    payout = shaft + _mesh(plant, shaft)
+    shaft = np.concatenate([before, motion.pitch_deg])
+    slip = plant.slip_deg * (np.arange(len(shaft)) >= skip + plant.slip_sample)
+    uneven = np.array([getattr(plant, name) for name in gear.GEAR])
+    even = uneven * (np.arange(len(uneven)) != gear.AMPLITUDE)
+    turned = shaft if plant.slip_on_drum else shaft + slip
+    if not plant.mesh_on_drum:
+        turned = turned + gear.error_deg(turned, uneven)
     yaw = np.concatenate([np.zeros(skip), motion.yaw_deg])
     outer = 2 * WIRE_STIFFNESS * (plant.other_lever * yaw + plant.other_lever_even * yaw**2 / 40.0)
     interval = np.diff(motion.time_s, prepend=motion.time_s[0] - 3.36)
@@ -107,8 +116,9 @@ def joint_deg(plant: Plant, motion: Motion) -> np.ndarray:
          plant.wear_onset_deg]
     )  # fmt: skip
     path = joint_path(
-        payout, outer, interval, MOVE_S, _constants(plant), clearance, reach, stiffness,
-        dashpot_k, dashpot_s, plant.viscosity_s,
+        turned, slip * plant.slip_on_drum, uneven if plant.mesh_on_drum else even, outer, interval,
+        MOVE_S, _constants(plant), clearance, reach, stiffness, dashpot_k, dashpot_s,
+        plant.viscosity_s,
     )  # fmt: skip
     return np.asarray(path[skip:])
 
@@ -119,20 +129,6 @@ def _homing(far_deg: float) -> np.ndarray:
         return np.zeros(0)
     way = np.linspace(0.0, far_deg, 15)
     return np.concatenate([way, way[-2::-1]])
-
-
-def _shaft(plant: Plant, motion: Motion) -> np.ndarray:
-    slipped = np.arange(len(motion.pitch_deg)) >= plant.slip_sample
-    return np.asarray(motion.pitch_deg + plant.slip_deg * slipped)
-
-
-def _mesh(plant: Plant, shaft: np.ndarray) -> np.ndarray:
-    """Error of the payout [deg]: an eccentric wheel and the overtone of its teeth."""
-    turn = 2 * np.pi * shaft / plant.mesh_period_deg
-    start = np.sin(plant.mesh_phase) + plant.mesh_overtone * np.sin(2 * plant.mesh_phase + 0.7)
-    error = np.sin(turn + plant.mesh_phase)
-    error = error + plant.mesh_overtone * np.sin(2 * (turn + plant.mesh_phase) + 0.7)
-    return np.asarray(plant.mesh_deg * (error - start))
 
 
 def _bristles(plant: Plant) -> tuple[np.ndarray, np.ndarray]:

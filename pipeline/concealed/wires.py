@@ -10,6 +10,8 @@ stands in the ideal plant: joint = gain q + cubic q^3.
 import numpy as np
 from numba import njit
 
+from pipeline.concealed.gear import error_deg
+
 MOVE_SUBSTEPS = 2
 DWELL_SHARES = np.array([0.02, 0.04, 0.07, 0.10, 0.13, 0.17, 0.21, 0.26])
 BENDING_STIFFNESS = 1.0
@@ -91,7 +93,7 @@ def obstacles(joint: float, c: np.ndarray) -> tuple[float, float]:
 
 
 @njit(cache=True)
-def balance(uptake: float, drum: float, last: float, outer: float, c: np.ndarray,
+def balance(uptake: float, payout: float, last: float, outer: float, c: np.ndarray,
             held: np.ndarray, reach: np.ndarray, stiffness: np.ndarray,
             branch_torque: float, branch_slope: float) -> tuple[float, float]:  # fmt: skip
     """Sum of the torques on the joint, and its slope over the uptake.
@@ -101,7 +103,7 @@ def balance(uptake: float, drum: float, last: float, outer: float, c: np.ndarray
     joint = c[GAIN] * uptake + c[CUBIC] * uptake**3
     gain = c[GAIN] + 3.0 * c[CUBIC] * uptake**2
     back = BENDING_STIFFNESS / (2.0 * c[NOMINAL_WIRE])
-    e = drum - uptake + back * joint
+    e = payout - uptake + back * joint
     t1, k1 = tension(c[PRETENSION] + e, c)
     t2, k2 = tension(c[PRETENSION] - e, c)
     torque = t1 - t2 - BENDING_STIFFNESS * joint + outer + branch_torque - branch_slope * joint
@@ -120,7 +122,7 @@ def balance(uptake: float, drum: float, last: float, outer: float, c: np.ndarray
 
 
 @njit(cache=True)
-def balanced(start: float, drum: float, last: float, outer: float, c: np.ndarray,
+def balanced(start: float, payout: float, last: float, outer: float, c: np.ndarray,
              held: np.ndarray, reach: np.ndarray, stiffness: np.ndarray,
              branch_torque: float, branch_slope: float) -> float:  # fmt: skip
     """Uptake at which the torques balance: Newton from `start`, kept inside a bracket."""
@@ -128,7 +130,7 @@ def balanced(start: float, drum: float, last: float, outer: float, c: np.ndarray
     uptake = start
     for _ in range(NEWTON_STEPS):
         torque, slope = balance(
-            uptake, drum, last, outer, c, held, reach, stiffness, branch_torque, branch_slope
+            uptake, payout, last, outer, c, held, reach, stiffness, branch_torque, branch_slope
         )
         step = -torque / slope if slope < 0.0 else 2.0 * REACH_DEG
         if abs(step) < TOLERANCE_DEG:
@@ -142,14 +144,15 @@ def balanced(start: float, drum: float, last: float, outer: float, c: np.ndarray
 
 
 @njit(cache=True)
-def joint_path(shaft: np.ndarray, outer: np.ndarray, interval_s: np.ndarray, move_s: float,
-               c: np.ndarray, clearance: np.ndarray, reach: np.ndarray, stiffness: np.ndarray,
-               dashpot_k: np.ndarray, dashpot_s: np.ndarray,
-               viscosity_s: float) -> np.ndarray:  # fmt: skip
+def joint_path(shaft: np.ndarray, slip: np.ndarray, gear: np.ndarray, outer: np.ndarray,
+               interval_s: np.ndarray, move_s: float, c: np.ndarray, clearance: np.ndarray,
+               reach: np.ndarray, stiffness: np.ndarray, dashpot_k: np.ndarray,
+               dashpot_s: np.ndarray, viscosity_s: float) -> np.ndarray:  # fmt: skip
     """Joint angle [deg] at the end of each interval, shape (n,).
 
-    `shaft` [deg] and `outer` torque, both (n,), are reached linearly in the first `move_s` of an
-    interval. `c` are the CONSTANTS. `clearance` is (half width [deg], growth per degree of
+    `shaft` [deg], the wires' `slip` on the drum [deg] and `outer` torque, all (n,), are reached
+    linearly in the first `move_s` of an interval. `gear` is what is uneven about the drum
+    (gear.GEAR). `c` are the CONSTANTS. `clearance` is (half width [deg], growth per degree of
     travel, travel at which the growth saturates (0: never), travel before it starts).
     `viscosity_s` is the time constant of the body's drag on the ideal wires (0: none).
     """
@@ -157,7 +160,7 @@ def joint_path(shaft: np.ndarray, outer: np.ndarray, interval_s: np.ndarray, mov
     held = np.zeros(len(reach))
     dashpot = np.zeros(len(dashpot_k))
     drum, uptake, joint, travel = shaft[0], shaft[0], 0.0, 0.0
-    before, outer_before = shaft[0], outer[0]
+    before, slip_before, outer_before = shaft[0], slip[0], outer[0]
     waits = len(dashpot_k) > 0 or viscosity_s > 0.0
     for i in range(len(shaft)):
         for k in range(MOVE_SUBSTEPS + (len(DWELL_SHARES) if waits else 0)):
@@ -171,20 +174,23 @@ def joint_path(shaft: np.ndarray, outer: np.ndarray, interval_s: np.ndarray, mov
             half = worn_half_width(clearance, travel)
             drum = min(max(drum, theta - half), theta + half)
             push = outer_before + share * (outer[i] - outer_before)
+            payout = drum + error_deg(drum, gear) + slip_before + share * (slip[i] - slip_before)
             branch = dashpot_k * np.exp(-dt / dashpot_s)
             drag = 0.0
             if viscosity_s > 0.0:
-                spring = sprung(uptake, drum, joint, push, c, held, reach, stiffness, branch.sum())
+                spring = sprung(
+                    uptake, payout, joint, push, c, held, reach, stiffness, branch.sum()
+                )
                 drag = held_back(dt, viscosity_s * 2.0 * c[NOMINAL_WIRE] / c[GAIN], spring)
             uptake = balanced(
-                uptake, drum, joint, push, c, held, reach, stiffness,
+                uptake, payout, joint, push, c, held, reach, stiffness,
                 (branch * dashpot).sum() + drag * joint, branch.sum() + drag,
             )  # fmt: skip
             new = c[GAIN] * uptake + c[CUBIC] * uptake**3
             drag_along(held, new - joint, 1.0 + c[CAPSTAN] * abs(new) / CAPSTAN_DEG, c, reach)
             dashpot += (new - dashpot) * (1.0 - np.exp(-dt / dashpot_s))
             joint = new
-        before, outer_before = shaft[i], outer[i]
+        before, slip_before, outer_before = shaft[i], slip[i], outer[i]
         out[i] = joint
     return out
 
@@ -200,11 +206,11 @@ def held_back(dt: float, viscosity: float, spring: float) -> float:
 
 
 @njit(cache=True)
-def sprung(uptake: float, drum: float, last: float, outer: float, c: np.ndarray,
+def sprung(uptake: float, payout: float, last: float, outer: float, c: np.ndarray,
            held: np.ndarray, reach: np.ndarray, stiffness: np.ndarray,
            branch_slope: float) -> float:  # fmt: skip
     """Stiffness of all that holds the joint but drag, where it stands; at least a millionth."""
-    slope = balance(uptake, drum, last, outer, c, held, reach, stiffness, 0.0, branch_slope)[1]
+    slope = balance(uptake, payout, last, outer, c, held, reach, stiffness, 0.0, branch_slope)[1]
     return max(-slope / (c[GAIN] + 3.0 * c[CUBIC] * uptake**2), 1e-6)
 
 

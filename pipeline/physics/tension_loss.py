@@ -59,7 +59,7 @@ class TensionLoss(Term):
         f"{form}{ahead}": tuple(f"{richer}{ahead}" for richer in further)
         for form, further in (
             ("linear", ("late", "settling", "round")),
-            ("cycle", ("cycle round",)),
+            ("cycle", ("late", "settling", "cycle round")),
         )
         for ahead in ("", f" {AHEAD}")
     }

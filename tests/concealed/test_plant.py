@@ -180,6 +180,28 @@ def test_an_eccentric_wheel_repeats_over_the_shaft_angle():
     assert np.ptp(late) == pytest.approx(1.4, rel=0.01)
 
 
+def test_an_eccentric_drum_repeats_over_the_drums_angle_behind_its_clearance():
+    ideal = replace(IDEAL, nominal=Nominal(0.7))
+    plant = replace(ideal, clearance_deg=6.0, mesh_deg=1.0, mesh_period_deg=15.0)
+    motion = sweep(0, 45, 0)
+    played = respond(replace(plant, mesh_deg=0.0), motion) / 0.7
+    behind = respond(replace(plant, mesh_on_drum=True), motion) / 0.7
+    assert behind - played == pytest.approx(np.sin(2 * np.pi * played / 15), abs=1e-6)
+    ahead = respond(plant, motion) / 0.7
+    assert np.abs(ahead - behind).max() > 1.0
+
+
+def test_a_wire_that_slips_on_its_drum_leaves_shaft_play_and_mesh_where_they_were():
+    plant = replace(IDEAL, nominal=Nominal(0.7), clearance_deg=6.0, mesh_deg=1.0)
+    motion = sweep(0, 45, 0)
+    late = np.arange(len(motion.pitch_deg)) >= 120
+    slip = replace(plant, slip_deg=2.0, slip_sample=120)
+    on_drum = respond(replace(slip, slip_on_drum=True), motion) - respond(plant, motion)
+    assert on_drum == pytest.approx(1.4 * late, abs=1e-6)
+    of_motor = respond(slip, motion) - respond(plant, motion)
+    assert np.abs(of_motor[late] - 1.4).max() > 0.5
+
+
 def test_the_camera_sees_a_projection():
     motion = sweep(0, 50)
     seen = respond(replace(IDEAL, camera=Camera(tilt_deg=20.0)), motion)

@@ -6,7 +6,7 @@ import pytest
 from pipeline.discrepancy.fitting.fit import evaluate, ground_of, improve
 from pipeline.discrepancy.fitting.reform import reformed
 from pipeline.discrepancy.noise.noise import NoiseModel
-from pipeline.physics.catalogue import term
+from pipeline.physics.catalogue import richer, term
 from pipeline.physics.mechanism import Piece
 from tests.discrepancy.made import posed, recorded
 
@@ -41,6 +41,21 @@ def test_play_that_has_settled_soon_is_found_from_one_that_grows_little(growth, 
     begun = improve(evaluate(ground, [steady]), 20)
     assert begun.cost > truth.cost + 30.0
     assert reformed(begun, 0, course).cost < truth.cost + 3.0
+
+
+@pytest.mark.parametrize(
+    ("form", "course"), [("late", [0.005, 0.3, 400.0]), ("settling", [0.006, 0.0, 180.0])]
+)
+def test_a_course_of_the_travel_is_found_from_play_that_grows_by_cycle(form, course):
+    own = term("tension_loss", form)
+    names = ("growth", "width", "onset" if form == "late" else "settled")
+    ground = ground_with({f"tension_loss/{form}": dict(zip(names, course, strict=True))})
+    truth = improve(evaluate(ground, [Piece(own, np.array(course))]), 10)
+    by_cycle = Piece(term("tension_loss", "cycle"), np.array([0.5, 0.2]))
+    begun = improve(evaluate(ground, [by_cycle]), 20)
+    assert begun.cost > truth.cost + 30.0
+    further = {t.form: t for t in richer(by_cycle.term)}
+    assert reformed(begun, 0, further[form]).cost < truth.cost + 3.0
 
 
 def test_edges_that_come_less_than_three_times_are_no_teeth():
