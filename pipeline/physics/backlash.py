@@ -9,7 +9,7 @@ from pipeline.physics.term import Parameter, Surroundings, Term
 from pipeline.physics.transmission_ripple import TransmissionRipple
 
 AHEAD = "ahead of ripple"
-FIRST = 5.0
+BEFORE_RIPPLE = TransmissionRipple.place - 5.0
 
 
 @njit(cache=True)
@@ -56,7 +56,7 @@ class Backlash(Term):
 
     def __init__(self, form: str = "") -> None:
         self.form = form
-        self.place = FIRST if form == AHEAD else Backlash.place
+        self.place = BEFORE_RIPPLE if form == AHEAD else Backlash.place
         self.only_beside = TransmissionRipple.name if form == AHEAD else ""
 
     @property
@@ -67,8 +67,8 @@ class Backlash(Term):
     def kin(self) -> str:
         return self.in_usual_order
 
-    def elsewhere(self) -> Term | None:
-        return None if self.only_beside else Backlash(AHEAD)
+    def elsewhere(self) -> tuple[Term, ...]:
+        return () if self.only_beside else (Backlash(AHEAD),)
 
     def richer(self) -> tuple[Term, ...]:
         return () if self.only_beside else (CoastingPlay(),)

@@ -102,7 +102,7 @@ def terms(other_commands: Iterable[str] = ()) -> tuple[Term, ...]:
         Drift("cycle"),
         Drift("exponential"),
         Drift("wave"),
-        LostSteps(f"once{BEHIND}"),
+        *(LostSteps(f"once{place}") for place in BEHIND),
         Backlash(AHEAD),
         TensionLoss(f"linear {AHEAD}"),
         TensionLoss(f"cycle {AHEAD}"),

@@ -53,8 +53,8 @@ class Coupling(Term):
     def kin(self) -> str:
         return self.form.removesuffix(DIRECT)
 
-    def elsewhere(self) -> Term | None:
-        return Coupling(f"{self.form}{DIRECT}") if self.form == self.channel else None
+    def elsewhere(self) -> tuple[Term, ...]:
+        return (Coupling(f"{self.form}{DIRECT}"),) if self.form == self.channel else ()
 
     def richer(self) -> tuple[Term, ...]:
         plain = self.form == self.channel

@@ -52,8 +52,8 @@ class Creep(Term):
     def kin(self) -> str:
         return "one" if self.form in ("whole", "running") else self.form
 
-    def elsewhere(self) -> Term | None:
-        return Creep("whole") if self.form == "one" else None
+    def elsewhere(self) -> tuple[Term, ...]:
+        return (Creep("whole"),) if self.form == "one" else ()
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
         dwell = max(around.dwell_s, 1e-9)

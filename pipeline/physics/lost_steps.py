@@ -5,21 +5,25 @@ from typing import ClassVar
 import numpy as np
 
 from pipeline.number_words import worded
+from pipeline.physics.backlash import Backlash
 from pipeline.physics.motion import Motion
 from pipeline.physics.term import NO_STATE, Parameter, Surroundings, Term
 from pipeline.physics.transmission_ripple import TransmissionRipple
 
 MOMENTS = 150
 JUMP_2 = 2
-BEHIND = " behind ripple"
+BEHIND = {
+    " behind ripple": (TransmissionRipple.name, TransmissionRipple.place + 5.0),
+    " behind play": (Backlash.group, Backlash.place + 15.0),
+}
 
 
 class LostSteps(Term):
     """x(t) = u(t) + jump * [t >= time]; jump [drive unit], time [s]; in form "twice" two of these.
 
     The motor's count no longer belongs to the shaft's angle: a stepper that loses steps, a coupling
-    or a set screw that slips. In the forms "behind ripple" the wire slips on its pulley, and the
-    shaft's ripple stays where it was. Source: definition.
+    or a set screw that slips. In the forms "behind ripple" and "behind play" the wire slips on its
+    pulley, and what is uneven about the shaft, or its play, stays where it was. Source: definition.
     """
 
     name = "lost_steps"
@@ -27,28 +31,27 @@ class LostSteps(Term):
     before_curve = True
     slow = True
     unlikely = 3.0
-    grows: ClassVar = {"once": ("twice",), f"once{BEHIND}": (f"twice{BEHIND}",)}
+    grows: ClassVar = {f"once{place}": (f"twice{place}",) for place in ("", *BEHIND)}
     means = "the shaft slips at a moment: a jump of the zero"
     says = "The shaft slipped by {jump} at {time}, and its zero has been off since."
     says_twice = "The shaft slipped by {jump} at {time} and by {jump_2} at {time_2}."
 
     def __init__(self, form: str = "once") -> None:
         self.form = form
-        behind = form.endswith(BEHIND)
-        self.place = TransmissionRipple.place + 5.0 if behind else 10.0
-        self.only_beside = TransmissionRipple.name if behind else ""
-        self.times = 2 if form.startswith("twice") else 1
+        times, *behind = form.split(" ", 1)
+        self.only_beside, self.place = BEHIND[f" {behind[0]}"] if behind else ("", 10.0)
+        self.times = 2 if times == "twice" else 1
 
     @property
     def in_usual_order(self) -> str:
-        return self.form.removesuffix(BEHIND)
+        return self.form.split(" ")[0]
 
     @property
     def kin(self) -> str:
         return self.in_usual_order
 
-    def elsewhere(self) -> Term | None:
-        return None if self.only_beside else LostSteps(f"{self.form}{BEHIND}")
+    def elsewhere(self) -> tuple[Term, ...]:
+        return () if self.only_beside else tuple(LostSteps(self.form + place) for place in BEHIND)
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
         span = around.drive_span

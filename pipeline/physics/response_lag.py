@@ -124,8 +124,8 @@ class ResponseLag(Term):
     def kin(self) -> str:
         return "first" if self.form in FIRST_ORDER else self.form
 
-    def elsewhere(self) -> Term | None:
-        return ResponseLag("whole") if self.form == "first" else None
+    def elsewhere(self) -> tuple[Term, ...]:
+        return (ResponseLag("whole"),) if self.form == "first" else ()
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
         dwell = max(around.dwell_s, 1e-9)

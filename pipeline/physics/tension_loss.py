@@ -6,7 +6,7 @@ import numpy as np
 from numba import njit
 
 from pipeline.number_words import worded
-from pipeline.physics.backlash import AHEAD, FIRST, Backlash, varying_play
+from pipeline.physics.backlash import AHEAD, BEFORE_RIPPLE, Backlash, varying_play
 from pipeline.physics.motion import Motion
 from pipeline.physics.term import Parameter, Shown, Surroundings, Term
 from pipeline.physics.transmission_ripple import TransmissionRipple
@@ -69,7 +69,7 @@ class TensionLoss(Term):
     def __init__(self, form: str = "linear") -> None:
         self.form = form
         ahead = form.endswith(AHEAD)
-        self.place = FIRST if ahead else TensionLoss.place
+        self.place = BEFORE_RIPPLE if ahead else TensionLoss.place
         self.only_beside = TransmissionRipple.name if ahead else ""
 
     @property
@@ -80,8 +80,8 @@ class TensionLoss(Term):
     def kin(self) -> str:
         return "linear" if self.in_usual_order == "cycle" else self.in_usual_order
 
-    def elsewhere(self) -> Term | None:
-        return None if self.only_beside else TensionLoss(f"{self.form} {AHEAD}")
+    def elsewhere(self) -> tuple[Term, ...]:
+        return () if self.only_beside else (TensionLoss(f"{self.form} {AHEAD}"),)
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
         span, unit = around.drive_span, around.drive_unit

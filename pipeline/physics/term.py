@@ -128,8 +128,8 @@ class Term:
     unlikely: how much less likely than others it is in its form, in -2 log odds.
     mistaken_for: the name of what may be this instead, if it looks like that in disguise, or is
     behind it by no more than its charge.
-    only_beside: what a form differs from its kin beside, and nowhere else: a name, or HELD, where a
-    term holds the joint; "" for anything.
+    only_beside: what a form differs from its kin beside, and nowhere else: a name, a group, or
+    HELD, where a term holds the joint; "" for anything.
     own_law: whether a form bends otherwise than the plainer one whose parameters it has: a fit of
     that is one more place to begin from, not the only one.
     """
@@ -175,17 +175,17 @@ class Term:
         """Its form with the usual order on the shaft: what differs in that alone shows at once."""
         return self.form
 
-    def elsewhere(self) -> "Term | None":
-        """This term at its other place in the chain, its parameters the same; None without one.
+    def elsewhere(self) -> tuple["Term", ...]:
+        """This term at its other places in the chain, its parameters the same.
 
-        There it differs beside what that form says (`only_beside`), and nowhere else.
+        There it differs beside what each form says (`only_beside`), and nowhere else.
         """
-        return None
+        return ()
 
     @property
     def matters_to(self) -> frozenset[str]:
-        """What terms that differ only beside something may wait for: its name, HELD if it holds."""
-        return frozenset((self.name, HELD) if self.holds else (self.name,))
+        """What terms that differ only beside something wait for: its name, group, HELD if it is."""
+        return frozenset({self.name, self.group, HELD if self.holds else ""} - {""})
 
     def richer(self) -> tuple["Term", ...]:
         """This term in the forms that hold more."""

@@ -41,13 +41,14 @@ def test_a_place_is_offered_only_beside_what_it_makes_a_difference_to(ground):
 def test_all_that_can_is_moved_to_its_other_place(ground):
     fit = fitted(ground, backlash=[2.0], lost_steps=[1.0, 700.0], creep=[0.2, 20.0])
     moved = with_others_elsewhere(fit)
-    assert set(moved) == {"transmission_ripple", HELD}
+    assert set(moved) == {"transmission_ripple", "play", HELD}
     forms = {p.term.name: p.term.form for p in moved["transmission_ripple"].pieces}
     assert forms == {
         "backlash": "ahead of ripple",
         "lost_steps": "once behind ripple",
         "creep": "one",
     }
+    assert {p.term.form for p in moved["play"].pieces} == {"", "once behind play", "one"}
     assert {p.term.form for p in moved[HELD].pieces} == {"", "once", "whole"}
 
 

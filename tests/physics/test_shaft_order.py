@@ -13,6 +13,7 @@ from tests.discrepancy.made import motion_of
 
 MOTION = motion_of(2)
 RIPPLE = Piece(term("transmission_ripple", "first"), np.array([2.0, 31.0, 0.4]))
+PLAY = Piece(term("backlash"), np.array([6.0]))
 WAVE = np.array([[1.0, 2.0, 0.4]])
 TURN = 2.0 * np.pi / 31.0
 HOME = 2.0 * np.sin(0.4)
@@ -40,34 +41,51 @@ def test_play_ahead_of_the_ripple_turns_first():
     np.testing.assert_allclose(usual, play(rough, 3.0, float(rough[0])))
 
 
-def test_a_slip_behind_the_ripple_leaves_it_where_it_was():
+@pytest.mark.parametrize(
+    ("form", "beside"), [("once behind ripple", RIPPLE), ("once behind play", PLAY)]
+)
+def test_a_slip_behind_something_leaves_it_where_it_was(form, beside):
     jump = np.array([1.5, MOTION.time_s[50]])
-    behind = answered(RIPPLE, Piece(term("lost_steps", f"once{BEHIND}"), jump))
+    behind = answered(beside, Piece(term("lost_steps", form), jump))
     slipped = 1.5 * (np.arange(len(MOTION)) >= 50)
-    np.testing.assert_allclose(behind, rippled(MOTION.drive, TURN, WAVE) - HOME + slipped)
+    np.testing.assert_allclose(behind, answered(beside) + slipped)
 
 
-ELSEWHERE = [t for t in with_richer(terms()) if t.only_beside == "transmission_ripple"]
+def test_a_motor_that_slips_turns_the_play_behind_it_ahead_of_the_ripple():
+    jump = np.array([1.5, MOTION.time_s[50]])
+    width = np.array([6.0])
+    slip, ahead = term("lost_steps", "once"), term("backlash", AHEAD)
+    turned = MOTION.drive + 1.5 * (np.arange(len(MOTION)) >= 50)
+    expected = rippled(play(turned, 3.0, float(turned[0])), TURN, WAVE) - HOME
+    np.testing.assert_allclose(answered(RIPPLE, Piece(ahead, width), Piece(slip, jump)), expected)
+
+
+BESIDE = {"transmission_ripple": RIPPLE, "play": PLAY}
+ELSEWHERE = [t for t in with_richer(terms()) if t.only_beside in BESIDE]
 
 
 @pytest.mark.parametrize("one", ELSEWHERE, ids=lambda t: f"{t.name}/{t.form}")
-def test_without_a_ripple_the_place_on_the_shaft_makes_no_difference(one):
+def test_a_place_on_the_shaft_makes_a_difference_beside_what_it_says_alone(one):
     usual = next(
         t
         for t in with_richer(terms())
-        if (other := t.elsewhere()) and (other.name, other.form) == (one.name, one.form)
+        if any((other.name, other.form) == (one.name, one.form) for other in t.elsewhere())
     )
     values = usual.candidates(MOTION, AROUND)[0]
-    assert one.elsewhere() is None
+    if one.name == "lost_steps":
+        values[0::2] = -6.0  # back, farther than a step
+    assert one.elsewhere() == ()
     assert one.kin == usual.kin
     np.testing.assert_array_equal(answered(Piece(one, values)), answered(Piece(usual, values)))
-    apart = answered(Piece(one, values), RIPPLE) - answered(Piece(usual, values), RIPPLE)
+    beside = BESIDE[one.only_beside]
+    apart = answered(Piece(one, values), beside) - answered(Piece(usual, values), beside)
     assert np.ptp(apart) > 1e-3
 
 
+@pytest.mark.parametrize("behind", BEHIND)
 @pytest.mark.parametrize("times", ["once", "twice"])
-def test_what_slips_behind_the_ripple_is_told_as_the_wire(times):
-    slip = term("lost_steps", f"{times}{BEHIND}")
+def test_what_slips_behind_something_is_told_as_the_wire(times, behind):
+    slip = term("lost_steps", f"{times}{behind}")
     told = slip.sentence(slip.candidates(MOTION, AROUND)[0], AROUND)
     assert told.startswith("The wire on its pulley slipped by 1.1 deg at ")
     usual = term("lost_steps", times).sentence(slip.candidates(MOTION, AROUND)[0], AROUND)

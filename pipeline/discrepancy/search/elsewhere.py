@@ -29,13 +29,13 @@ def differing(terms: Iterable[Term], fit: Fit) -> list[Term]:
 
 def pieces_elsewhere(fit: Fit) -> dict[str, list[Piece]]:
     """A fit's pieces with terms at their other place, by what that makes a difference beside."""
-    places = [p.term.elsewhere() for p in fit.pieces]
+    places = [{t.only_beside: t for t in p.term.elsewhere()} for p in fit.pieces]
     return {
         beside: [
-            p if term is None or term.only_beside != beside else replace(p, term=term)
-            for p, term in zip(fit.pieces, places, strict=True)
+            replace(p, term=own[beside]) if beside in own else p
+            for p, own in zip(fit.pieces, places, strict=True)
         ]
-        for beside in dict.fromkeys(t.only_beside for t in places if t is not None)
+        for beside in dict.fromkeys(beside for own in places for beside in own)
     }
 
 
