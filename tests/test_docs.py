@@ -5,7 +5,14 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.physics.catalogue import MEANINGS, WORN, force_terms, terms, with_richer
+from pipeline.physics.catalogue import (
+    MEANINGS,
+    RECURRING,
+    WORN,
+    force_terms,
+    terms,
+    with_richer,
+)
 from pipeline.physics.term import Term
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -46,7 +53,7 @@ def test_the_catalogues_page_has_every_name_with_its_site_and_meaning(one: Term)
 
 @pytest.mark.parametrize(
     "one",
-    [t for t in with_richer((*terms(["CHANNEL"]), WORN)) if t.form],
+    [t for t in with_richer((*terms(["CHANNEL"]), WORN, *RECURRING)) if t.form],
     ids=lambda t: f"{t.name}/{t.form}",
 )
 def test_the_catalogues_page_has_every_form_of_what_moves(one: Term) -> None:

@@ -24,6 +24,7 @@ from pipeline.physics.inertia import Inertia
 from pipeline.physics.lens_distortion import LensDistortion
 from pipeline.physics.lost_steps import BEHIND, LostSteps
 from pipeline.physics.marker_outliers import MarkerOutliers
+from pipeline.physics.recurring_slip import RecurringSlip
 from pipeline.physics.response_lag import ResponseLag
 from pipeline.physics.sheath_force import SheathForce
 from pipeline.physics.sheath_stretch import SheathStretch
@@ -53,6 +54,7 @@ PRESSED = tuple(
     )
 )
 SPRUNG, LATE, WORN = ViscousFriction("sprung"), ForceLag(), WornPlay()
+RECURRING = (RecurringSlip("every top"), RecurringSlip("every bottom"))
 UNEVEN = (SofterSide("upper"), SofterSide("lower"))
 
 
@@ -161,7 +163,7 @@ def richer(term: Term) -> tuple[Term, ...]:
 def term(name: str, form: str = "", other_commands: Iterable[str] = ()) -> Term:
     """The term of a name (and form); TermError names those that exist."""
     found = with_richer((*terms(other_commands), *force_terms()))
-    found += (*SHEATH_FORCES, *PRESSED, SPRUNG, LATE, WORN, *UNEVEN)
+    found += (*SHEATH_FORCES, *PRESSED, SPRUNG, LATE, WORN, *UNEVEN, *RECURRING)
     same = [t for t in found if t.name == name and form in ("", t.form)]
     if same:
         return next((t for t in same if t.form == form), same[0])

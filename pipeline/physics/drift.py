@@ -1,5 +1,7 @@
 """Drift: the zero wanders with time or from cycle to cycle."""
 
+from typing import ClassVar
+
 import numpy as np
 
 from pipeline.physics.motion import Motion
@@ -12,10 +14,10 @@ SHORTEST, CYCLES = 0.15, 1.5
 class Drift(Term):
     """seen = theta + d(t), t from the first sample.
 
-    Forms: "linear" d = rate t; "cycle" d = rate n, n the number of the cycle; "exponential" d =
-    amplitude (1 - exp(-t / tau)); "wave" d = amplitude (sin(2 pi t / period + phase) - sin phase),
-    slower than the cycles: a wave as quick as these is what the commands do. Source: thermal drift
-    of first order; definition.
+    Forms: "linear" d = rate t; "quadratic" d = rate t + acceleration t^2 / 2; "cycle" d = rate n, n
+    the number of the cycle; "exponential" d = amplitude (1 - exp(-t / tau)); "wave" d = amplitude
+    (sin(2 pi t / period + phase) - sin phase), slower than the cycles: a wave as quick as these is
+    what the commands do. Source: thermal drift of first order; definition.
     """
 
     name = "drift"
@@ -24,6 +26,7 @@ class Drift(Term):
     adds = True
     slow = True
     evolves = True
+    grows: ClassVar = {"linear": ("quadratic",)}
     means = "the zero wanders with time or from cycle to cycle"
     says = "The zero wanders while it runs."
 
@@ -35,10 +38,13 @@ class Drift(Term):
         span, unit = around.angle_span, around.angle_unit
         duration = max(around.end_s - around.start_s, 1e-9)
         if self.form == "linear":
-            most = span / duration * HOUR_S
-            return (
-                Parameter("rate", f"{unit}/h", -most, most, 0.1 * most, 0.03 * most, measured=True),
+            return (rate(span, duration, unit),)
+        if self.form == "quadratic":
+            most = 4.0 * span * (HOUR_S / duration) ** 2
+            bend = Parameter(
+                "acceleration", f"{unit}/h^2", -most, most, 0.0, 0.03 * most, measured=True
             )
+            return (rate(span, duration, unit), bend)
         if self.form == "cycle":
             most = span / max(around.cycles, 1)
             return (
@@ -65,8 +71,9 @@ class Drift(Term):
         if self.form == "cycle":
             return signal + values[0] * (motion.cycle - first[1]), first
         t = motion.time_s - first[0]
-        if self.form == "linear":
-            drift = values[0] / HOUR_S * t
+        if self.form in ("linear", "quadratic"):
+            hours = t / HOUR_S
+            drift = values[0] * hours + 0.5 * sum(values[1:]) * hours**2
         elif self.form == "exponential":
             drift = -values[0] * np.expm1(-t / values[1])
         else:
@@ -82,10 +89,19 @@ class Drift(Term):
             periods = [p for p in duration / np.arange(0.5, 5.0, 0.5) if p >= shortest(around)]
             phases = np.arange(4) * np.pi / 4
             return np.array([[size, period, phase] for period in periods for phase in phases])
-        return np.array([[self.parameters(around)[0].start]])
+        return np.array([[p.start for p in self.parameters(around)]])
+
+    def void(self, values: np.ndarray) -> bool:
+        return not np.any(values[: 2 if self.form == "quadratic" else 1])
 
     def excited(self, motion: Motion, around: Surroundings) -> bool:
         return around.end_s > around.start_s and len(motion) > 20
+
+
+def rate(span: float, duration_s: float, unit: str) -> Parameter:
+    """How fast a zero moves: over the whole `span` [unit] within a recording at the most."""
+    most = span / duration_s * HOUR_S
+    return Parameter("rate", f"{unit}/h", -most, most, 0.1 * most, 0.03 * most, measured=True)
 
 
 def shortest(around: Surroundings) -> float:

@@ -42,6 +42,23 @@ def test_the_two_slips_begin_where_the_zero_moved(play):
     assert (jump, back) == pytest.approx((1.1, -1.0), abs=0.3)
 
 
+@pytest.mark.parametrize(("form", "jump"), [("every top", 0.5), ("every bottom", -0.5)])
+def test_steps_lost_in_every_cycle_are_told_in_place_of_a_zero_that_walks(form, jump):
+    recording = recorded({f"lost_steps/{form}": {"jump": jump, "time": 850.0}}, cycles=9)
+    best = explained(recording).choices[0]
+    assert names(best) == {"lost_steps"}
+    assert best.fit.pieces[0].term.form == form
+    assert best.fit.values[0] == pytest.approx(jump, rel=0.1)
+
+
+@pytest.mark.parametrize("seed", [6, 7])
+def test_a_zero_that_moves_ever_faster_is_told_in_place_of_one_that_walks(seed):
+    hidden = {"drift/quadratic": {"rate": 0.0, "acceleration": 6.0}}
+    best = explained(recorded(hidden, seed=seed)).choices[0]
+    assert [(p.term.name, p.term.form) for p in best.fit.pieces] == [("drift", "quadratic")]
+    assert best.place[2] == 0
+
+
 def test_where_the_zero_rests_no_slips_are_looked_for(found):
     calm = found.choices[0]
     assert calm.place[2] == 0

@@ -5,7 +5,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pipeline.physics.catalogue import MEANINGS, WORN, force_terms, term, terms, with_richer
+from pipeline.physics.catalogue import (
+    MEANINGS,
+    RECURRING,
+    WORN,
+    force_terms,
+    term,
+    terms,
+    with_richer,
+)
 from pipeline.physics.kinematics import CubicCurve
 from pipeline.physics.mechanism import Mechanism, Piece
 from pipeline.physics.motion import Motion
@@ -13,7 +21,7 @@ from pipeline.physics.term import LAST, Surroundings, Term, TermError, values_of
 
 OTHER = "yaw_command_deg"
 CURVE = CubicCurve(0.7, 1e-5)
-EVERY = [*with_richer(terms([OTHER])), WORN]
+EVERY = [*with_richer(terms([OTHER])), WORN, *RECURRING]
 
 
 def triangle(cycles: int = 3, amplitude: float = 60.0, steps: int = 200) -> Motion:
@@ -250,6 +258,22 @@ def test_a_new_term_acts_where_it_says_itself_in_whatever_order_it_is_given(firs
 
     np.testing.assert_allclose(answer(drift.place - 1.0), alone + motion.drive, atol=1e-12)
     np.testing.assert_allclose(answer(LAST), 2.0 * alone, atol=1e-12)
+
+
+def test_a_quadratic_drift_is_what_its_equation_says():
+    motion, values = triangle(), np.array([2.0, -3.0])
+    change = Mechanism(pieces=[Piece(term("drift", "quadratic"), values)]).respond(motion)[0]
+    hours = (motion.time_s - motion.time_s[0]) / 3600.0
+    np.testing.assert_allclose(change - motion.drive, 2.0 * hours - 1.5 * hours**2, atol=1e-12)
+
+
+@pytest.mark.parametrize(("form", "row"), [("every top", 51), ("every bottom", 151)])
+def test_steps_are_lost_once_in_each_cycle_as_it_turns(form, row):
+    motion = triangle()
+    slip = np.array([0.7, motion.time_s[200]])
+    change = Mechanism(pieces=[Piece(term("lost_steps", form), slip)]).respond(motion)[0]
+    expected = 0.7 * sum(np.arange(600) >= 200 * cycle + row for cycle in (1, 2))
+    np.testing.assert_allclose(change - motion.drive, expected, atol=1e-12)
 
 
 @pytest.mark.parametrize("one", [*EVERY, *with_richer(force_terms())], ids=named)

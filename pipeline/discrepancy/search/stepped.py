@@ -1,34 +1,38 @@
-"""Two slips at once: what noise that walks or jitters much may be instead."""
+"""Slips at once: what noise that walks or jitters much may be instead."""
 
 import numpy as np
 
-from pipeline.discrepancy.fitting.fit import ITERATIONS, Fit, evaluate, improve
+from pipeline.discrepancy.fitting.fit import Fit, evaluate, improve
 from pipeline.discrepancy.fitting.moments import settle_moments
 from pipeline.discrepancy.search.choose import FAINT, MOST_TERMS, Choice, Search
+from pipeline.physics.catalogue import RECURRING
 from pipeline.physics.lost_steps import LostSteps
 from pipeline.physics.mechanism import Piece
 
 SLIPS = LostSteps("twice")
 USUAL_JITTER = 3
-MOMENTS = 150
+MOMENTS, BEGUN = 150, 2
 
 
 def stepped(search: Search, choice: Choice) -> Choice:
-    """The choice with two slips in place of a zero that walks or jitters much, if that is better.
+    """The choice with slips in place of a zero that walks or jitters much, if that is better.
 
-    A slip that is taken back, or followed by another as large, is not half explained by one: no
-    single step leads to both.
+    A slip that is taken back, or followed by others as large, is not half explained by one: no
+    single step leads to two, nor to one in every cycle.
     """
     _, jitter, walk = choice.place
-    restless = walk > 0 or jitter > USUAL_JITTER
+    rest = [p for p in choice.fit.pieces if not p.term.slow]
+    restless = walk > 0 or jitter > USUAL_JITTER or len(rest) < len(choice.fit.pieces)
     known = any(t.name == SLIPS.name for t in search.terms)
-    full = len(choice.fit.pieces) >= MOST_TERMS
-    taken = SLIPS.name in choice.fit.names
-    if not (restless and known) or full or taken or search.family.prior.repeats == 0:
+    if not (restless and known) or len(rest) >= MOST_TERMS or search.family.prior.repeats == 0:
         return choice
-    still, place = search.stilled(choice.fit, choice.place, 4)
-    slips = Piece(SLIPS, two_steps(still))
-    fit = settle_moments(improve(evaluate(still.ground, [*still.pieces, slips]), ITERATIONS))
+    still, place = search.stilled(evaluate(choice.fit.ground, rest), choice.place, 4)
+    motion, around = still.ground.problem.motion, still.ground.problem.around
+    slips = [Piece(SLIPS, two_steps(still))]
+    slips += [Piece(t, v) for t in RECURRING for v in t.candidates(motion, around)]
+    trials = [improve(evaluate(still.ground, [*still.pieces, s]), BEGUN) for s in slips]
+    best = {t.key: t for t in sorted(trials, key=lambda t: -t.cost)}.values()
+    fit = min((settle_moments(improve(t)) for t in best), key=lambda t: t.cost)
     if search.hoped(fit, place) > choice.score + FAINT:
         return choice
     return min(choice, search.weighed(fit, place), key=lambda c: c.score)
