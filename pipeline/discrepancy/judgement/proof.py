@@ -22,7 +22,7 @@ from pipeline.discrepancy.problem.problem import Problem
 from pipeline.discrepancy.search.choose import Choice
 from pipeline.discrepancy.search.counted import settled_rows
 from pipeline.discrepancy.search.explain import Explanation
-from pipeline.discrepancy.search.explain import refuted as unrepeated
+from pipeline.discrepancy.search.refuted import refuted as unrepeated
 
 TWICE, HALF, FAR = 2.0, 0.5, 1.5
 FEWEST_BEYOND = 20

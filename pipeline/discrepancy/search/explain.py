@@ -38,9 +38,10 @@ from pipeline.discrepancy.search.excited import excited_terms
 from pipeline.discrepancy.search.foretold import foretelling
 from pipeline.discrepancy.search.polish import polished
 from pipeline.discrepancy.search.pressed import pressed
+from pipeline.discrepancy.search.refuted import refuted
 from pipeline.discrepancy.search.sprung import sprung
+from pipeline.discrepancy.search.swinging import swinging
 
-SURELY = 3.0
 TURNS, STANDING, SETTLED = 4, 1.0, 3
 JUDGED_GAP = 25.0
 
@@ -119,7 +120,7 @@ def searched(problem: Problem) -> Explanation:
         search = Search(candidates, effects, noise_family(prior, problem, used))
         choices = choose_again(search, ground_of(problem, prior.model, used), choices)
     told = pressed(search, sprung(search, alone(search, polished(search, choices))))
-    choices = levelled(search, searched_wide(search, choices, told))
+    choices = levelled(search, searched_wide(search, choices, swinging(search, told)))
     choices = best_of_each([*contested(search, choices), *search.seen.values()])
     if prior.repeats == 0 and problem.derivatives is None:
         search, choices = judged(search, choices)
@@ -161,14 +162,6 @@ def learnt_again(search: Search, choice: Choice) -> NoisePrior:
     left = learn_noise(ground.problem, choice.fit.predicted)
     other = replace(search, family=noise_family(left, ground.problem, ground.used))
     return left if left.differing < before.differing and not refuted(other, choice) else before
-
-
-def refuted(search: Search, choice: Choice) -> bool:
-    """Whether a choice leaves noise of a shape or size that repeats speak against."""
-    family = search.family
-    prior, deviation = family.prior, choice.fit.ground.noise.deviation
-    larger = np.log(deviation / prior.model.deviation) > SURELY * prior.sure
-    return prior.repeats > 0 and bool(family.strained(choice.place) > SURELY**2 or larger)
 
 
 def judged(search: Search, choices: list[Choice]) -> tuple[Search, list[Choice]]:

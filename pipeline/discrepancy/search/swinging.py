@@ -1,0 +1,46 @@
+"""What swings after each step: a lag of second order in place of all that comes late."""
+
+from collections.abc import Sequence
+
+from pipeline.discrepancy.fitting.fit import Fit, Ground, evaluate, improve
+from pipeline.discrepancy.fitting.screen import late
+from pipeline.discrepancy.search.choose import MOST_TERMS, Choice, Search, best_of_each, extended
+from pipeline.discrepancy.search.polish import polished
+from pipeline.discrepancy.search.refuted import refuted
+from pipeline.physics.mechanism import Piece
+from pipeline.physics.response_lag import ResponseLag
+
+SWINGING = ResponseLag("second")
+BEGUN = 4
+
+
+def swinging(search: Search, choices: list[Choice]) -> list[Choice]:
+    """The choices (best first), with a lag of second order where noise can't be what is left.
+
+    At a steady pace what swings is ahead of its command or behind it by about as much all the time:
+    play comes near the one, nothing without inertia the other. So no first-order lag is on the way,
+    and what was added beside play to mop up the rest is polished away. The lag takes the place of
+    all that comes late, or stands beside it.
+    """
+    best, known = choices[0], any(t.name == SWINGING.name for t in search.terms)
+    lagging = any(p.term.group == SWINGING.group for p in best.fit.pieces)
+    if not known or lagging or not refuted(search, best):
+        return choices
+    behind = late(best.fit)
+    rest = tuple(p for p in best.fit.pieces if not any(p is q for q in behind))
+    for beside in (rest, best.fit.pieces)[: 1 + bool(behind)]:
+        swung = search.weighed(begun(best.fit.ground, beside), best.place)
+        found = [swung, *extended(search, swung)] if len(beside) < MOST_TERMS else [swung]
+        if min(c.score for c in found) < choices[0].score:
+            choices = polished(search, best_of_each([*found, *choices]))
+        if not refuted(search, choices[0]):
+            break
+    return choices
+
+
+def begun(ground: Ground, beside: Sequence[Piece]) -> Fit:
+    """The best fit of a lag of second order beside some terms."""
+    starts = SWINGING.candidates(ground.problem.motion, ground.problem.around)
+    trials = [evaluate(ground, [*beside, Piece(SWINGING, values)]) for values in starts]
+    few = sorted(trials, key=lambda t: t.cost)[:BEGUN]
+    return min((improve(trial) for trial in few), key=lambda t: t.cost)
