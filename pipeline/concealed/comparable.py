@@ -44,6 +44,9 @@ def comparable(case: Case, hidden: Hidden) -> list[Quantity]:
         case "creep" if "second_dashpot_s" not in number:
             slower = _free_to_held(size, gain)
             return [_quantity("time_constant", number["dashpot_s"] * slower, "s")]
+        case "response_lag" if "swing_s" in number:
+            damping = _quantity("damping", number["swing_damping"], "")
+            return [_quantity("natural_frequency", 1.0 / size, "rad/s"), damping]
         case "response_lag":
             return [_quantity("time_constant", size, "s")]
         case "coupling":

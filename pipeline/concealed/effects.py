@@ -132,7 +132,10 @@ def creep(rng: np.random.Generator, motion: Motion, plant: Plant) -> Effect:
 
 
 def response_lag(rng: np.random.Generator, motion: Motion, plant: Plant) -> Effect:
-    """A viscous body: it follows its wires with a time constant [s]."""
+    """A viscous body that follows its wires with a time constant [s], or a tip that swings."""
+    if _tossed(rng):
+        damping = float(rng.uniform(0.2, 0.9))
+        return Effect("response_lag", {"swing_s": 1.0, "swing_damping": damping}, ("swing_s",), 8.0)
     return Effect("response_lag", {"viscosity_s": 1.0}, ("viscosity_s",), 12.0)
 
 

@@ -8,11 +8,13 @@ from pipeline.concealed import gear
 from pipeline.concealed.camera import Camera, seen_deg
 from pipeline.concealed.motions import MOVE_S, Motion
 from pipeline.concealed.outside import OUTSIDE
+from pipeline.concealed.swing import tip_deg
 from pipeline.concealed.wires import CONSTANTS, joint_path
 
 WIRE_STIFFNESS = 20.0
 BRISTLES = 24
 HOMING_STEP_S = 0.5
+FIRST_INTERVAL_S = 3.36
 
 
 @dataclass(frozen=True)
@@ -33,7 +35,8 @@ class Plant:
 
     A slip and an uneven gear stand before the clearance, on the motor's side, unless they are on
     the drum. Torques are in units of the joint's bending stiffness times a degree; `viscosity_s` is
-    the time constant with which a viscous body follows its wires.
+    the time constant with which a viscous body follows its wires, `swing_s` that of the swing of a
+    tip behind it.
     """
 
     nominal: Nominal = field(default_factory=Nominal)
@@ -64,6 +67,8 @@ class Plant:
     second_dashpot_share: float = 0.0
     second_dashpot_s: float = 300.0
     viscosity_s: float = 0.0
+    swing_s: float = 0.0
+    swing_damping: float = 0.7
     weight: float = 0.0
     mounting_rad: float = 1.5
     pad_stiffness: float = 0.0
@@ -88,6 +93,9 @@ def respond(plant: Plant, motion: Motion, span_s: float | None = None) -> np.nda
     `span_s` is the time over which the camera's mount wanders its whole way (default: all).
     """
     joint = joint_deg(plant, motion)
+    if plant.swing_s > 0.0:
+        interval_s = np.diff(motion.time_s, prepend=motion.time_s[0] - FIRST_INTERVAL_S)
+        joint = tip_deg(joint, interval_s, MOVE_S, plant.swing_s, plant.swing_damping)
     if plant.outside is not None:
         joint = OUTSIDE[plant.outside](motion, joint, plant.outside_parameters)
     span = float(motion.time_s[-1] - motion.time_s[0]) if span_s is None else span_s
@@ -107,7 +115,7 @@ def joint_deg(plant: Plant, motion: Motion) -> np.ndarray:
         turned = turned + gear.error_deg(turned, uneven)
     yaw = np.concatenate([np.zeros(skip), motion.yaw_deg])
     outer = 2 * WIRE_STIFFNESS * (plant.other_lever * yaw + plant.other_lever_even * yaw**2 / 40.0)
-    interval = np.diff(motion.time_s, prepend=motion.time_s[0] - 3.36)
+    interval = np.diff(motion.time_s, prepend=motion.time_s[0] - FIRST_INTERVAL_S)
     interval = np.concatenate([np.full(skip, HOMING_STEP_S), interval])
     reach, stiffness = _bristles(plant)
     dashpot_k, dashpot_s = _dashpots(plant)

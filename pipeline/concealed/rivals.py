@@ -90,7 +90,10 @@ def _forms(motion: Motion, top_deg: float) -> dict[str, list[Form]]:
             )
         ],
         "creep": [Form({}, {"dashpot_share": (0.001, 0.5), "dashpot_s": (8.0, 120.0)})],
-        "response_lag": [Form({}, {"viscosity_s": (0.05, 12.0)})],
+        "response_lag": [
+            Form({}, {"viscosity_s": (0.05, 12.0)}),
+            Form({}, {"swing_s": (0.05, 8.0), "swing_damping": (0.2, 0.9)}),
+        ],
         "frame_lag": [Form({}, {"stale_s": (0.05, 12.0)})],
         "contact": [
             Form(

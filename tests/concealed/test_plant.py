@@ -230,3 +230,14 @@ def test_stale_frames_show_an_earlier_pose(plain):
     assert seen[2:] == pytest.approx(nominal[:-2], abs=1e-9)
     late = respond(replace(IDEAL, camera=Camera(stale_s=3.36)), plain)
     assert late[2:] == pytest.approx(nominal[1:-1], abs=0.02)
+
+
+def test_a_tip_swings_after_a_step_as_an_oscillator_does():
+    plant = replace(IDEAL, nominal=Nominal(0.7), swing_s=2.0, swing_damping=0.3)
+    motion = motion_of(np.array([0.0, *[10.0] * 59]), interval_s=MOVE_S)
+    angle = respond(plant, motion)
+    root = np.sqrt(1.0 - 0.3**2)
+    peak = 7.0 * (1.0 + np.exp(-np.pi * 0.3 / root))
+    assert angle.max() == pytest.approx(peak, abs=0.05)
+    when = MOVE_S * np.argmax(angle) - 1.5 * MOVE_S
+    assert when == pytest.approx(np.pi * 2.0 / root, abs=MOVE_S)
