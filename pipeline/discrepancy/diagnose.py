@@ -227,7 +227,9 @@ def evidence_of(
 ) -> Evidence:
     """All rows of the recording with their predictions, and the hypotheses that compete."""
     after, deviation = model.predict(problem.motion)
-    outliers = isolated(problem.measured - after, problem.train, explanation.prior.finest)
+    outliers = isolated(
+        problem.measured - after, problem.train, explanation.prior.finest, problem.cycle
+    )
     outliers &= ~turning(problem)
     return Evidence(
         recording=recording,

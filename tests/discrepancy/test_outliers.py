@@ -9,7 +9,7 @@ import pytest
 from pipeline.discrepancy.fitting.fit import ground_of
 from pipeline.discrepancy.judgement.mistaken import after_some_steps
 from pipeline.discrepancy.noise.noise import NoiseModel
-from pipeline.discrepancy.problem.outliers import LONGEST, bursts
+from pipeline.discrepancy.problem.outliers import bursts, longest_burst
 from pipeline.physics.kinematics import CubicCurve
 from tests.discrepancy.made import (
     ANGLE,
@@ -25,8 +25,10 @@ from tests.discrepancy.made import (
     recorded,
 )
 
-RUNS = ((45, 4), (170, 2), (400, 5), (530, 3))
+RUNS = ((45, 4), (170, 2), (400, 5), (530, 3), (240, 12))
 EVERY = np.ones(600, dtype=bool)
+CYCLE = np.arange(600) // 200
+LONGEST = longest_burst(CYCLE)
 
 
 def noise() -> np.ndarray:
@@ -42,8 +44,8 @@ def marked(runs: Sequence[tuple[int, int]]) -> np.ndarray:
 
 def test_a_few_in_a_row_that_leap_off_and_back_are_found_whole() -> None:
     residual, rows = noise(), marked(RUNS)
-    residual[rows] += 2.0 * np.repeat([1.0, -1.0, 1.0, 3.0], [count for _, count in RUNS])
-    assert np.array_equal(bursts(residual, EVERY, 1e-6), rows)
+    residual[rows] += 2.0 * np.repeat([1.0, -1.0, 1.0, 3.0, -2.0], [count for _, count in RUNS])
+    assert np.array_equal(bursts(residual, EVERY, 1e-6, CYCLE), rows)
 
 
 @pytest.mark.parametrize(
@@ -58,14 +60,14 @@ def test_a_few_in_a_row_that_leap_off_and_back_are_found_whole() -> None:
     ids=["a slip", "a longer stay", "a corner", "a hump", "a leap that fades"],
 )
 def test_what_stays_or_comes_and_goes_slowly_is_no_burst(shape: np.ndarray) -> None:
-    assert not bursts(noise() + shape, EVERY, 1e-6).any()
+    assert not bursts(noise() + shape, EVERY, 1e-6, CYCLE).any()
 
 
 def test_what_most_cycles_show_at_the_same_steps_is_no_burst() -> None:
     residual = noise()
     rows = marked([(37 + 100 * k, 4) for k in range(6)])
     residual[rows | marked([(270, 3)])] += 2.0
-    found = bursts(residual, EVERY, 1e-6, [np.arange(600).reshape(6, 100)])
+    found = bursts(residual, EVERY, 1e-6, CYCLE, [np.arange(600).reshape(6, 100)])
     assert np.flatnonzero(found).tolist() == [270, 271, 272]
 
 

@@ -77,7 +77,7 @@ def counted_errors(
     problem: Problem, explanation: Explanation, choice: Choice, off: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Errors (n,), less each cycle's zero where these differ, and the rows (n,) that count."""
-    lone = isolated(off, problem.train, explanation.prior.finest)
+    lone = isolated(off, problem.train, explanation.prior.finest, problem.cycle)
     counted = ~lone & ~undated(choice.fit, problem.motion.time_s)
     if wanders_by_cycle(choice):
         off = about_each_zero(off, problem.cycle, counted & np.isfinite(off))

@@ -44,7 +44,7 @@ def refitted(problem: Problem, explanation: Explanation, choice: Choice) -> Choi
     ground = ground_of(known, fit.ground.noise, problem.train & settled_rows(problem, prior))
     off = known.measured - evaluate(ground, fit.pieces).predicted
     noise = fit.ground.noise
-    odd = isolated(off, known.train, prior.finest)
+    odd = isolated(off, known.train, prior.finest, known.cycle)
     odd |= np.abs(off) > INCREDIBLE * np.hypot(noise.deviation, noise.jitter)
     odd &= ~undated(fit, known.motion.time_s)
     used = known.train & settled_rows(known, prior) & ~odd

@@ -8,10 +8,12 @@ from pipeline.discrepancy.problem.outliers import (
     at_commands,
     distances,
     isolated,
+    longest_burst,
     returning,
 )
 from pipeline.discrepancy.problem.problem import Problem
 from pipeline.discrepancy.search.choose import Choice
+from pipeline.physics.lost_steps import LostSteps
 from pipeline.recording import reversals_of
 
 MOST_UNSETTLED, MOST_UNREPEATED = 0.3, 0.1
@@ -20,6 +22,7 @@ SAME_LEVEL = 0.05
 SAME_COMMAND = 0.5
 TURN_ROWS = 2
 INCREDIBLE, MOST_INCREDIBLE = 4.3, 0.03
+TAKEN_BACK = 0.3
 
 
 def mistaken_rows(problem: Problem, choice: Choice, prior: NoisePrior) -> np.ndarray:
@@ -38,8 +41,26 @@ def mistaken_rows(problem: Problem, choice: Choice, prior: NoisePrior) -> np.nda
     left_out = problem.train & settled_rows(problem, prior) & ~fit.ground.used
     out |= left_out & (np.abs(off) > INCREDIBLE * fit.ground.noise.deviation)
     out &= ~returning(distances(off), repeats)
-    out |= isolated(off, problem.train, prior.finest, repeats)
-    return out & ~usual(problem, off, prior)
+    out |= isolated(off, problem.train, prior.finest, problem.cycle, repeats)
+    return (out & ~usual(problem, off, prior)) | between_slips(problem, choice)
+
+
+def between_slips(problem: Problem, choice: Choice) -> np.ndarray:
+    """Training rows (n,) between two slips of which the second takes back the first at once.
+
+    A shaft does not slip back to where it was within a few samples: there the camera saw another
+    thing, too near to stand off from each sample's noise.
+    """
+    out = np.zeros(len(problem.motion), dtype=bool)
+    for piece in choice.fit.pieces:
+        if not isinstance(piece.term, LostSteps) or piece.term.times == 1:
+            continue
+        jump, first_s, again, last_s = piece.values
+        between = (problem.motion.time_s >= first_s) & (problem.motion.time_s < last_s)
+        between &= problem.train
+        if abs(jump + again) < TAKEN_BACK * abs(jump):
+            out |= between & (between.sum() <= longest_burst(problem.cycle))
+    return out
 
 
 def usual(problem: Problem, off: np.ndarray, prior: NoisePrior) -> np.ndarray:

@@ -103,7 +103,7 @@ def searched(problem: Problem) -> Explanation:
     settled = settled_rows(problem, prior)
     off = np.where(problem.train, problem.measured - problem.simulated, np.nan)
     repeats = repeats_of(problem, prior)
-    outliers = isolated(off, problem.train, prior.finest, repeats) & ~usual(problem, off, prior)
+    outliers = isolated(off, problem.train, prior.finest, problem.cycle, repeats) & ~usual(problem, off, prior)
     used = problem.train & settled & ~outliers
     search = Search(candidates, effects, noise_family(prior, problem, used))
     ground = ground_of(problem, prior.model, used)
