@@ -75,17 +75,21 @@ def runs_off(values: np.ndarray, train: np.ndarray, finest: float, length: int) 
     out = np.zeros(len(values), dtype=bool)
     _, sides = off_both_sides(values, length - 1)
     scale = max(robust_deviation(sides[:, train].ravel()), finest)
-    levels = np.median(np.lib.stride_tricks.sliding_window_view(values, NEIGHBOURS), axis=1)
-    before, after = levels[: -length - NEIGHBOURS], levels[length + NEIGHBOURS :]
-    inside = np.lib.stride_tricks.sliding_window_view(values, length)[NEIGHBOURS:-NEIGHBOURS]
+    step = np.abs(np.diff(values))
+    sudden = (step > SUDDEN * ISOLATED * scale)[NEIGHBOURS - 1 : len(step) - NEIGHBOURS + 1]
+    first = np.flatnonzero(sudden[:-length] & sudden[length:]) + NEIGHBOURS
+    if not len(first):
+        return out
+    beside = np.arange(NEIGHBOURS)
+    before = np.median(values[first[:, None] - 1 - beside], axis=1)
+    after = np.median(values[first[:, None] + length + beside], axis=1)
     middle, apart = 0.5 * (before + after), np.abs(after - before)
-    off = np.sort(np.abs(inside - middle[:, None]), axis=1)
+    rows = first[:, None] + np.arange(length)
+    off = np.sort(np.abs(values[rows] - middle[:, None]), axis=1)
     height = off[:, int(length > SEEN_ONCE)] - 0.5 * apart
-    step = np.abs(np.diff(values))[NEIGHBOURS - 1 :]
-    edge = np.minimum(step[: len(height)], step[length : length + len(height)])
+    edge = np.minimum(step[first - 1], step[first + length - 1])
     found = (height > ISOLATED * scale) & (edge > SUDDEN * height) & (apart < BACK * height)
-    for first in np.flatnonzero(found) + NEIGHBOURS:
-        out[first : first + length] = True
+    out[rows[found]] = True
     return out
 
 
