@@ -43,6 +43,7 @@ from pipeline.discrepancy.search.sprung import sprung
 SURELY = 3.0
 TURNS, STANDING, SETTLED = 4, 1.0, 3
 JUDGED_GAP = 25.0
+MANY = 0.01
 
 
 @dataclass(frozen=True)
@@ -103,7 +104,9 @@ def searched(problem: Problem) -> Explanation:
     settled = settled_rows(problem, prior)
     off = np.where(problem.train, problem.measured - problem.simulated, np.nan)
     repeats = repeats_of(problem, prior)
-    outliers = isolated(off, problem.train, prior.finest, problem.cycle, repeats) & ~usual(problem, off, prior)
+    outliers = isolated(off, problem.train, prior.finest, problem.cycle, repeats) & ~usual(
+        problem, off, prior
+    )
     used = problem.train & settled & ~outliers
     search = Search(candidates, effects, noise_family(prior, problem, used))
     ground = ground_of(problem, prior.model, used)
@@ -118,6 +121,11 @@ def searched(problem: Problem) -> Explanation:
         used = problem.train & settled & ~found
         search = Search(candidates, effects, noise_family(prior, problem, used))
         choices = choose_again(search, ground_of(problem, prior.model, used), choices)
+        last, found = found, mistaken_rows(problem, choices[0], prior)
+        if np.sum(found != last) > MANY * len(found):
+            used = problem.train & settled & ~found
+            search = Search(candidates, effects, noise_family(prior, problem, used))
+            choices = choose_again(search, ground_of(problem, prior.model, used), choices)
     told = pressed(search, sprung(search, alone(search, polished(search, choices))))
     choices = levelled(search, searched_wide(search, choices, told))
     choices = best_of_each([*contested(search, choices), *search.seen.values()])
