@@ -29,7 +29,6 @@ from pipeline.discrepancy.model.zero import zero_at_end
 from pipeline.discrepancy.noise.force_noise import noise_of_samples
 from pipeline.discrepancy.noise.noise import NoiseModel
 from pipeline.discrepancy.problem.force_problem import averaged
-from pipeline.discrepancy.problem.outliers import isolated
 from pipeline.discrepancy.problem.problem import Problem
 from pipeline.discrepancy.problem.thinning import thinned
 from pipeline.discrepancy.search.accuracy import (
@@ -38,7 +37,7 @@ from pipeline.discrepancy.search.accuracy import (
     within_accuracy,
 )
 from pipeline.discrepancy.search.choose import Choice
-from pipeline.discrepancy.search.counted import turning
+from pipeline.discrepancy.search.counted import set_aside, turning
 from pipeline.discrepancy.search.disguise import undisguised
 from pipeline.discrepancy.search.excited import not_excited
 from pipeline.discrepancy.search.explain import Explanation, explain
@@ -115,15 +114,15 @@ def decided(problem: Problem, explanation: Explanation) -> tuple[Choice, Structu
     elif absurd is not None:
         structure = replace(structure, found=True, where=absurd)
     unrepeated = explanation.prior.repeats == 0 and problem.derivatives is None and testable(best)
-    off = problem.measured - mechanism_of(problem, best).respond(problem.motion)[0]
+    predicted = mechanism_of(problem, best).respond(problem.motion)[0]
     if not (accurate or structure.found):
-        structure = disproved(problem, explanation, best, off, structure)
+        structure = disproved(problem, explanation, best, predicted, structure)
     if structure.found and unrepeated:
         best = foretold_part(explanation.choices, best)
     elif structure.found:
         best = fewer(explanation, best)
     elif not accurate:
-        off, counted = counted_errors(problem, explanation, best, off)
+        off, counted = counted_errors(problem, explanation, best, predicted)
         where = strained(problem, off, counted, best.fit.ground.noise)
         if where is not None:
             structure = replace(structure, found=True, where=where)
@@ -227,7 +226,7 @@ def evidence_of(
 ) -> Evidence:
     """All rows of the recording with their predictions, and the hypotheses that compete."""
     after, deviation = model.predict(problem.motion)
-    outliers = isolated(problem.measured - after, problem.train, explanation.prior.finest)
+    outliers = set_aside(problem, after, explanation.prior)
     outliers &= ~turning(problem)
     return Evidence(
         recording=recording,

@@ -140,7 +140,7 @@ def test_lone_samples_are_isolated_but_corners_are_not():
     rng = np.random.default_rng(0)
     residual = 0.1 * rng.standard_normal(300) + np.abs(np.arange(300) - 150) * 0.02
     residual[[40, 200]] += 3.0
-    found = isolated(residual, np.ones(300, dtype=bool), 1e-6)
+    found = isolated(residual, np.ones(300, dtype=bool), 1e-6, np.zeros(300))
     assert np.flatnonzero(found).tolist() == [40, 200]
 
 
@@ -148,7 +148,7 @@ def test_what_stands_off_in_each_repeat_is_no_outlier():
     residual = 0.1 * np.random.default_rng(0).standard_normal(400)
     residual[[17, 117, 217, 317, 140]] += 2.0
     found = returning(residual, [np.arange(400).reshape(4, 100)])
-    lone = isolated(residual, np.ones(400, dtype=bool), 1e-6) & ~found
+    lone = isolated(residual, np.ones(400, dtype=bool), 1e-6, np.zeros(400)) & ~found
     assert np.flatnonzero(lone).tolist() == [140]
 
 
@@ -164,7 +164,7 @@ def test_arrivals_are_judged_among_themselves():
     arrivals[5::20] = True
     residual[arrivals] += np.where(np.arange(arrivals.sum()) % 2 == 0, 2.0, -2.0)
     residual[[105, 250]] = 30.0
-    mistaken = isolated(residual, np.ones(400, dtype=bool), 1e-6)
+    mistaken = isolated(residual, np.ones(400, dtype=bool), 1e-6, np.zeros(400))
     assert mistaken[arrivals].all()
     mistaken &= ~alike(residual, arrivals, 1e-6)
     assert np.flatnonzero(mistaken).tolist() == [105, 250]

@@ -6,11 +6,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pipeline.discrepancy.fitting.fit import ground_of
+from pipeline.discrepancy.fitting.fit import evaluate, ground_of
 from pipeline.discrepancy.judgement.mistaken import after_some_steps
 from pipeline.discrepancy.noise.noise import NoiseModel
-from pipeline.discrepancy.problem.outliers import LONGEST, bursts
+from pipeline.discrepancy.problem.outliers import bursts, isolated, longest_burst
+from pipeline.discrepancy.search.choose import Choice
+from pipeline.discrepancy.search.counted import between_slips
 from pipeline.physics.kinematics import CubicCurve
+from pipeline.physics.lost_steps import LostSteps
+from pipeline.physics.mechanism import Piece
 from tests.discrepancy.made import (
     ANGLE,
     NOISE,
@@ -25,8 +29,10 @@ from tests.discrepancy.made import (
     recorded,
 )
 
-RUNS = ((45, 4), (170, 2), (400, 5), (530, 3))
+RUNS = ((45, 4), (170, 2), (400, 5), (530, 3), (240, 12))
 EVERY = np.ones(600, dtype=bool)
+CYCLE = np.arange(600) // 200
+LONGEST = longest_burst(CYCLE)
 
 
 def noise() -> np.ndarray:
@@ -42,8 +48,8 @@ def marked(runs: Sequence[tuple[int, int]]) -> np.ndarray:
 
 def test_a_few_in_a_row_that_leap_off_and_back_are_found_whole() -> None:
     residual, rows = noise(), marked(RUNS)
-    residual[rows] += 2.0 * np.repeat([1.0, -1.0, 1.0, 3.0], [count for _, count in RUNS])
-    assert np.array_equal(bursts(residual, EVERY, 1e-6), rows)
+    residual[rows] += 2.0 * np.repeat([1.0, -1.0, 1.0, 3.0, -2.0], [count for _, count in RUNS])
+    assert np.array_equal(bursts(residual, EVERY, 1e-6, CYCLE), rows)
 
 
 @pytest.mark.parametrize(
@@ -58,14 +64,14 @@ def test_a_few_in_a_row_that_leap_off_and_back_are_found_whole() -> None:
     ids=["a slip", "a longer stay", "a corner", "a hump", "a leap that fades"],
 )
 def test_what_stays_or_comes_and_goes_slowly_is_no_burst(shape: np.ndarray) -> None:
-    assert not bursts(noise() + shape, EVERY, 1e-6).any()
+    assert not bursts(noise() + shape, EVERY, 1e-6, CYCLE).any()
 
 
 def test_what_most_cycles_show_at_the_same_steps_is_no_burst() -> None:
     residual = noise()
     rows = marked([(37 + 100 * k, 4) for k in range(6)])
     residual[rows | marked([(270, 3)])] += 2.0
-    found = bursts(residual, EVERY, 1e-6, [np.arange(600).reshape(6, 100)])
+    found = bursts(residual, EVERY, 1e-6, CYCLE, [np.arange(600).reshape(6, 100)])
     assert np.flatnonzero(found).tolist() == [270, 271, 272]
 
 
@@ -100,3 +106,31 @@ def test_what_stands_off_after_some_steps_only_was_not_mistaken(ringing: bool) -
     ground = ground_of(problem, NoiseModel(NOISE), problem.train & (off == 0.0))
     explanation = replace(explanation_of([chosen(ground, 0.0)]), outliers=off > 0.0)
     assert after_some_steps(explanation) == ringing
+
+
+def test_two_that_follow_each_other_are_found_whole_to_whichever_sides() -> None:
+    residual, rows = noise(), marked([(100, 8), (300, 7)])
+    residual[100:105] += 5.0
+    residual[105:108] -= 4.0
+    residual[300:303] += 5.0
+    residual[304:307] += 2.0
+    assert np.array_equal(bursts(residual, EVERY, 1e-6, CYCLE), rows)
+
+
+def test_three_mistakes_that_meet_at_one_step_of_six_cycles_are_mistakes() -> None:
+    residual = noise()
+    residual[[52, 252, 452]] -= 20.0
+    cycle = np.arange(600) // 100
+    found = isolated(residual, EVERY, 1e-6, cycle, [np.arange(600).reshape(6, 100)])
+    assert np.flatnonzero(found).tolist() == [52, 252, 452]
+
+
+@pytest.mark.parametrize(("rows", "mistaken"), [(5, True), (60, False)])
+def test_a_slip_that_is_taken_back_at_once_is_a_mistake(rows: int, mistaken: bool) -> None:
+    problem = posed(recorded({}))
+    time_s = problem.motion.time_s
+    values = np.array([2.0, time_s[130], -1.9, time_s[130 + rows]])
+    fit = evaluate(ground_of(problem, NoiseModel(NOISE), problem.train), [])
+    slips = replace(fit, pieces=(Piece(LostSteps("twice"), values),))
+    found = np.flatnonzero(between_slips(problem, Choice(slips, (0, 0, 0), 0.0)))
+    assert found.tolist() == (list(range(130, 130 + rows)) if mistaken else [])

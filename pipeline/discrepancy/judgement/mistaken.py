@@ -7,7 +7,7 @@ import numpy as np
 from pipeline.discrepancy.model.intervals import undated
 from pipeline.discrepancy.model.result import Estimate, Evidence, NamedPhysics, root_mean
 from pipeline.discrepancy.problem.problem import Problem
-from pipeline.discrepancy.search.counted import INCREDIBLE
+from pipeline.discrepancy.search.counted import INCREDIBLE, late_rows, repeats_of
 from pipeline.discrepancy.search.explain import Explanation
 from pipeline.number_words import worded
 from pipeline.physics.catalogue import term
@@ -22,6 +22,7 @@ STALE = (
     "In {share:.2g} of the frames the camera shows the pose of the frame before: "
     "they are {size} {unit} off."
 )
+LATE = "In {share:.2g} of the frames the camera shows an earlier pose, {lag} frames late."
 
 
 def mistaken_frames(
@@ -100,10 +101,44 @@ def stale_now_and_then(problem: Problem, evidence: Evidence) -> NamedPhysics | N
     )
 
 
+def late_now_and_then(explanation: Explanation, evidence: Evidence) -> NamedPhysics | None:
+    """Frames of an earlier pose among others that are none, with their share and how late."""
+    late, train = late_by(explanation), explanation.problem.train
+    if not late.any():
+        return None
+    by = late[late > 0]
+    error = Z * float(np.std(by)) / np.sqrt(len(by))
+    share = share_of(len(by), int(train.sum()))
+    lag = Estimate("lag", float(by.mean()), by.mean() - error, by.mean() + error, "frames")
+    off, heldout = evidence.measured - evidence.after, evidence.heldout
+    return NamedPhysics(
+        name="frame_lag",
+        site="sensor",
+        probability=SURELY,
+        parameters=(share, lag),
+        heldout_rmse_without=root_mean((off**2)[np.isfinite(off) & heldout]),
+        alternatives=(),
+        says=LATE.format(share=share.value, lag=worded(lag.value)),
+    )
+
+
+def late_by(explanation: Explanation) -> np.ndarray:
+    """How many samples late the training rows (n,) of the best choice are."""
+    problem, prior = explanation.problem, explanation.prior
+    late = late_rows(
+        problem, explanation.choices[0].fit.predicted, prior, repeats_of(problem, prior)
+    )
+    return np.where(problem.train, late, 0)
+
+
 def incredible(explanation: Explanation) -> np.ndarray:
-    """Training rows (n,) that are off by more than the noise makes credible, but for a slip's."""
+    """Training rows (n,) that are off by more than the noise makes credible.
+
+    Those of a slip and those of an earlier pose are none.
+    """
     problem, fit = explanation.problem, explanation.choices[0].fit
     rows = problem.train & explanation.outliers & ~undated(fit, problem.motion.time_s)
+    rows &= late_by(explanation) == 0
     off = np.abs(problem.measured - fit.predicted)
     return np.asarray(rows & (off > INCREDIBLE * fit.ground.noise.deviation))
 

@@ -9,7 +9,11 @@ from pipeline.discrepancy.fitting.fit import evaluate, improve
 from pipeline.discrepancy.judgement.by_direction import by_direction, said_of_ways
 from pipeline.discrepancy.judgement.cycle_zero import zero_of_each_cycle
 from pipeline.discrepancy.judgement.first_slip import is_start
-from pipeline.discrepancy.judgement.mistaken import mistaken_frames, stale_now_and_then
+from pipeline.discrepancy.judgement.mistaken import (
+    late_now_and_then,
+    mistaken_frames,
+    stale_now_and_then,
+)
 from pipeline.discrepancy.judgement.rivals import mechanism_of
 from pipeline.discrepancy.judgement.structure import Structure
 from pipeline.discrepancy.model.intervals import estimates, stated
@@ -43,6 +47,7 @@ def named_physics(
         told = {*out, *(b.name for b in beside if b is not None)}
         if not structure.found:
             beside.append(zero_of_each_cycle(explanation.problem, best, evidence))
+            beside.append(late_now_and_then(explanation, evidence))
         if out or not structure.found:
             beside.append(mistaken_frames(explanation, evidence, told, structure.found))
     for own in beside:

@@ -17,10 +17,9 @@ from pipeline.discrepancy.model.intervals import undated
 from pipeline.discrepancy.model.result import root_mean
 from pipeline.discrepancy.noise.noise import NoiseModel
 from pipeline.discrepancy.noise.wander import comes_back
-from pipeline.discrepancy.problem.outliers import isolated
 from pipeline.discrepancy.problem.problem import Problem
 from pipeline.discrepancy.search.choose import Choice
-from pipeline.discrepancy.search.counted import settled_rows
+from pipeline.discrepancy.search.counted import set_aside, settled_rows
 from pipeline.discrepancy.search.explain import Explanation
 from pipeline.discrepancy.search.refuted import refuted as unrepeated
 
@@ -38,20 +37,20 @@ def disproved(
     problem: Problem,
     explanation: Explanation,
     choice: Choice,
-    off: np.ndarray,
+    predicted: np.ndarray,
     structure: Structure,
 ) -> Structure:
     """The structure that shows where every row is predicted from the start of the recording.
 
-    off: (n,) measurement minus that prediction, over all samples of the problem. Lone rows, and
-    those between which a slip may lie, are not counted. The noise that goes with the fit may walk,
+    predicted: (n,) over all samples of the problem. Lone and late rows, and those between which a
+    slip may lie, are not counted. The noise that goes with the fit may walk,
     and so take for noise what follows the commands slowly: then a slow part that comes back to its
     level is surely likelier than a walk of any size (`wander.py`). How slow it is, is a matter of
     measured samples, not of rows between them. Where each cycle has another zero, that is taken
     off. Of a force against motion, whose rest is slow in any case, that is not asked.
     """
     noise = choice.fit.ground.noise
-    off, counted = counted_errors(problem, explanation, choice, off)
+    off, counted = counted_errors(problem, explanation, choice, predicted)
     if refuted(problem, off, counted):
         return replace(structure, found=True, where=HELDOUT)
     if problem.derivatives is not None or rounded(explanation, choice):
@@ -74,10 +73,14 @@ def disproved(
 
 
 def counted_errors(
-    problem: Problem, explanation: Explanation, choice: Choice, off: np.ndarray
+    problem: Problem, explanation: Explanation, choice: Choice, predicted: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Errors (n,), less each cycle's zero where these differ, and the rows (n,) that count."""
-    lone = isolated(off, problem.train, explanation.prior.finest)
+    """Errors (n,) of a prediction (n,), and the rows (n,) that count.
+
+    Each cycle's zero is taken off where these differ.
+    """
+    off = problem.measured - predicted
+    lone = set_aside(problem, predicted, explanation.prior)
     counted = ~lone & ~undated(choice.fit, problem.motion.time_s)
     if wanders_by_cycle(choice):
         off = about_each_zero(off, problem.cycle, counted & np.isfinite(off))

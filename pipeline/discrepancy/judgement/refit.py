@@ -10,10 +10,9 @@ from pipeline.discrepancy.fitting.fit import Fit, evaluate, ground_of, improve
 from pipeline.discrepancy.fitting.moments import moments, moments_of, moved, settle_moments
 from pipeline.discrepancy.fitting.reform import reformed
 from pipeline.discrepancy.model.intervals import moment_interval, undated
-from pipeline.discrepancy.problem.outliers import isolated
 from pipeline.discrepancy.problem.problem import Problem
 from pipeline.discrepancy.search.choose import Choice, names
-from pipeline.discrepancy.search.counted import INCREDIBLE, settled_rows
+from pipeline.discrepancy.search.counted import INCREDIBLE, set_aside, settled_rows
 from pipeline.discrepancy.search.elsewhere import differing
 from pipeline.discrepancy.search.explain import Explanation
 from pipeline.physics.catalogue import with_richer
@@ -42,9 +41,10 @@ def refitted(problem: Problem, explanation: Explanation, choice: Choice) -> Choi
     fit, prior = choice.fit, explanation.prior
     known = replace(problem, train=problem.train | problem.heldout)
     ground = ground_of(known, fit.ground.noise, problem.train & settled_rows(problem, prior))
-    off = known.measured - evaluate(ground, fit.pieces).predicted
+    predicted = evaluate(ground, fit.pieces).predicted
+    off = known.measured - predicted
     noise = fit.ground.noise
-    odd = isolated(off, known.train, prior.finest)
+    odd = set_aside(known, predicted, prior)
     odd |= np.abs(off) > INCREDIBLE * np.hypot(noise.deviation, noise.jitter)
     odd &= ~undated(fit, known.motion.time_s)
     used = known.train & settled_rows(known, prior) & ~odd

@@ -133,7 +133,8 @@ def unmistaken(values: np.ndarray, finest: float) -> np.ndarray:
     for k in range(len(values)):
         some = np.delete(known, k, axis=0).any(axis=0)
         off[k, some] = values[k, some] - np.nanmedian(np.delete(values, k, axis=0)[:, some], axis=0)
-    lone = [isolated(one, own, finest) for one, own in zip(off, known, strict=True)]
+    whole = np.zeros(values.shape[1])
+    lone = [isolated(one, own, finest, whole) for one, own in zip(off, known, strict=True)]
     return np.where(lone, np.nan, values)
 
 

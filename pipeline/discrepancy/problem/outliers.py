@@ -8,65 +8,100 @@ from pipeline.discrepancy.problem.spikes import NEIGHBOURS, off_both_sides
 from pipeline.recording import branch_of
 
 ISOLATED = 5.0
-RETURNS, FEWEST_REPEATS = 0.5, 3
+RETURNS, FEWEST_REPEATS, MOST = 0.5, 3, 0.65
 FEWEST_KIN = 4
-LONGEST = 5
-SUDDEN = 0.6
+SHORT, LONGEST, OF_CYCLE = 5, 12, 0.06
+SUDDEN, BACK, SEEN_ONCE = 0.6, 0.5, 3
 
 
 def isolated(
-    residual: np.ndarray, train: np.ndarray, finest: float, repeats: Sequence[np.ndarray] = ()
+    residual: np.ndarray,
+    train: np.ndarray,
+    finest: float,
+    cycle: np.ndarray,
+    repeats: Sequence[np.ndarray] = (),
 ) -> np.ndarray:
     """Mask (n,) of residuals that are off from their neighbours' median by ISOLATED deviations.
 
     residual: (n,), NaN where not measured. The deviation of that distance is learnt from `train`
-    and is at least `finest`. Of a few in a row see `bursts`. What stands off in most `repeats` as
-    well does not count, see `returning`.
+    and is at least `finest`. Of a few in a row, no more than a small part of a cycle (n,), see
+    `bursts`; what stands beside one is compared with what is beyond it. What stands off in most
+    `repeats` as well does not count, see `returning`.
     """
-    off = distances(residual)
+    in_rows = bursts(residual, train, finest, cycle, repeats)
+    off = distances(np.where(in_rows, np.nan, residual))
     known = np.isfinite(off)
     if not known.any():
-        return known
+        return in_rows
     scale = max(robust_deviation(off[train & known]), finest)
     lone = known & (np.abs(off) > ISOLATED * scale) & ~returning(off, repeats)
-    return np.asarray(lone | bursts(residual, train, finest, repeats))
+    return np.asarray(lone | in_rows)
 
 
 def bursts(
-    residual: np.ndarray, train: np.ndarray, finest: float, repeats: Sequence[np.ndarray] = ()
+    residual: np.ndarray,
+    train: np.ndarray,
+    finest: float,
+    cycle: np.ndarray,
+    repeats: Sequence[np.ndarray] = (),
 ) -> np.ndarray:
-    """Mask (n,) of residuals that are off in a row of 2 to LONGEST: the camera saw another thing.
+    """Mask (n,) of residuals that are off in a row: the camera saw another thing for a while.
 
-    They stand off from what was before and after by ISOLATED deviations of such a distance, to one
-    side, and get there and back at once: a corner, a jump that stays and a slow wave do not.
+    They stand off from what was before and after by ISOLATED deviations of such a distance, and get
+    there at once and at once back to where they were: a corner, a jump that stays and a slow wave
+    do not. The shortest are found first and then passed over. Two that follow each other, at once
+    or after one sample, are one, to whichever sides.
     """
     out = np.zeros(len(residual), dtype=bool)
-    off, scale = heights(residual, train, finest)
-    known = np.flatnonzero(np.isfinite(residual))
-    side = np.where(np.abs(off[known]) > ISOLATED * scale, np.sign(off[known]), 0.0)
-    step = np.abs(np.diff(residual[known], prepend=np.nan, append=np.nan))
-    for run in np.split(np.arange(len(known)), np.flatnonzero(np.diff(side)) + 1):
-        if not 1 < len(run) <= LONGEST or side[run[0]] == 0.0:
-            continue
-        height = float(np.min(np.abs(off[known[run]])))
-        if min(step[run[0]], step[run[-1] + 1]) > SUDDEN * height:
-            out[known[run]] = True
-    return out & ~returning(off, repeats)
+    longest = longest_burst(cycle)
+    for length in range(2, longest + 1):
+        known = np.flatnonzero(np.isfinite(residual) & ~out)
+        if len(known) < 2 * (longest + NEIGHBOURS):
+            break
+        out[known[runs_off(residual[known], train[known], finest, length)]] = True
+    if not out.any():
+        return out
+    return out & ~returning(heights(residual, longest), repeats)
 
 
-def heights(residual: np.ndarray, train: np.ndarray, finest: float) -> tuple[np.ndarray, float]:
-    """How far residuals (n,) are off both what was before and what comes after, and its deviation.
+def longest_burst(cycle: np.ndarray) -> int:
+    """How many samples in a row may be a burst where each belongs to a cycle (n,)."""
+    usual = float(np.median(np.unique(cycle, return_counts=True)[1]))
+    return int(np.clip(OF_CYCLE * usual, SHORT, LONGEST))
 
-    See `off_both_sides`: LONGEST in a row are none of the samples that each is compared with.
+
+def runs_off(values: np.ndarray, train: np.ndarray, finest: float, length: int) -> np.ndarray:
+    """Mask (m,) of values (m,) in runs of one length that are a burst, see `bursts`."""
+    out = np.zeros(len(values), dtype=bool)
+    _, sides = off_both_sides(values, length - 1)
+    scale = max(robust_deviation(sides[:, train].ravel()), finest)
+    step = np.abs(np.diff(values))
+    sudden = (step > SUDDEN * ISOLATED * scale)[NEIGHBOURS - 1 : len(step) - NEIGHBOURS + 1]
+    first = np.flatnonzero(sudden[:-length] & sudden[length:]) + NEIGHBOURS
+    if not len(first):
+        return out
+    beside = np.arange(NEIGHBOURS)
+    before = np.median(values[first[:, None] - 1 - beside], axis=1)
+    after = np.median(values[first[:, None] + length + beside], axis=1)
+    middle, apart = 0.5 * (before + after), np.abs(after - before)
+    rows = first[:, None] + np.arange(length)
+    off = np.sort(np.abs(values[rows] - middle[:, None]), axis=1)
+    height = off[:, int(length > SEEN_ONCE)] - 0.5 * apart
+    edge = np.minimum(step[first - 1], step[first + length - 1])
+    found = (height > ISOLATED * scale) & (edge > SUDDEN * height) & (apart < BACK * height)
+    out[rows[found]] = True
+    return out
+
+
+def heights(residual: np.ndarray, longest: int) -> np.ndarray:
+    """How far residuals (n,) are off both what was before and what comes after.
+
+    See `off_both_sides`: the `longest` in a row are none of the samples each is compared with.
     """
     out = np.zeros(len(residual))
     known = np.flatnonzero(np.isfinite(residual))
-    if len(known) < 2 * (LONGEST + NEIGHBOURS):
-        return out, np.inf
-    nearer, sides = off_both_sides(residual[known], LONGEST - 1)
-    scale = max(robust_deviation(sides[:, train[known]].ravel()), finest)
-    out[known] = nearer
-    return out, scale
+    out[known] = off_both_sides(residual[known], longest - 1)[0]
+    return out
 
 
 def distances(residual: np.ndarray) -> np.ndarray:
@@ -100,15 +135,17 @@ def returning(off: np.ndarray, repeats: Sequence[np.ndarray]) -> np.ndarray:
     """Mask (n,) of rows that stand off from others by `off` (n,) in most repeats of their step.
 
     That is what the mechanism does there, as at a stop that only the end of a stroke meets, and no
-    mistake; two of three may be mistakes that met. repeats: row numbers (repeats, steps), -1 where
-    a cycle lacks one.
+    mistake; two of three, or three of six, may be mistakes that met. repeats: row numbers
+    (repeats, steps), -1 where a cycle lacks one.
     """
     out = np.zeros(len(off), dtype=bool)
     for rows in repeats:
         values = np.where(rows >= 0, off[rows], np.nan)
-        steps = np.isfinite(values).sum(axis=0) >= FEWEST_REPEATS
+        count = np.isfinite(values).sum(axis=0)
+        steps = count >= FEWEST_REPEATS
         usual = np.nanmedian(values[:, steps], axis=0)
-        agree = np.sum(values[:, steps] * usual > RETURNS * usual**2, axis=0) >= FEWEST_REPEATS
+        agree = np.sum(values[:, steps] * usual > RETURNS * usual**2, axis=0)
+        agree = agree >= np.maximum(MOST * count[steps], FEWEST_REPEATS)
         again = values[:, steps] * usual > RETURNS * values[:, steps] ** 2
         out[rows[:, steps][again & agree]] = True
     return out

@@ -1,17 +1,22 @@
 """Which rows count: those that the mechanism answers to, and in which nothing was mistaken."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from pipeline.discrepancy.noise.learning import NoisePrior
+from pipeline.discrepancy.problem.late import late_frames
 from pipeline.discrepancy.problem.outliers import (
     alike,
     at_commands,
     distances,
     isolated,
+    longest_burst,
     returning,
 )
 from pipeline.discrepancy.problem.problem import Problem
 from pipeline.discrepancy.search.choose import Choice
+from pipeline.physics.lost_steps import LostSteps
 from pipeline.recording import reversals_of
 
 MOST_UNSETTLED, MOST_UNREPEATED = 0.3, 0.1
@@ -20,6 +25,7 @@ SAME_LEVEL = 0.05
 SAME_COMMAND = 0.5
 TURN_ROWS = 2
 INCREDIBLE, MOST_INCREDIBLE = 4.3, 0.03
+TAKEN_BACK = 0.3
 
 
 def mistaken_rows(problem: Problem, choice: Choice, prior: NoisePrior) -> np.ndarray:
@@ -38,8 +44,54 @@ def mistaken_rows(problem: Problem, choice: Choice, prior: NoisePrior) -> np.nda
     left_out = problem.train & settled_rows(problem, prior) & ~fit.ground.used
     out |= left_out & (np.abs(off) > INCREDIBLE * fit.ground.noise.deviation)
     out &= ~returning(distances(off), repeats)
-    out |= isolated(off, problem.train, prior.finest, repeats)
-    return out & ~usual(problem, off, prior)
+    out |= isolated(off, problem.train, prior.finest, problem.cycle, repeats)
+    out &= ~usual(problem, off, prior)
+    late = problem.train & (late_rows(problem, fit.predicted, prior, repeats) > 0)
+    return out | between_slips(problem, choice) | late
+
+
+def late_rows(
+    problem: Problem,
+    predicted: np.ndarray,
+    prior: NoisePrior,
+    repeats: Sequence[np.ndarray] = (),
+) -> np.ndarray:
+    """How many samples late rows (n,) show their pose, see `late_frames`; no rows of a force.
+
+    None either where the rows are not all samples.
+    """
+    if problem.motion.kinetics is not None or problem.picked is not None:
+        return np.zeros(len(predicted), dtype=int)
+    measured, train = problem.measured, problem.train
+    return late_frames(measured, predicted, train, prior.finest, problem.cycle, repeats)
+
+
+def set_aside(problem: Problem, predicted: np.ndarray, prior: NoisePrior) -> np.ndarray:
+    """Rows (n,), held-out ones too, that are mistaken or late as a prediction (n,) says."""
+    off = problem.measured - predicted
+    odd = isolated(off, problem.train, prior.finest, problem.cycle)
+    return np.asarray(odd | (late_rows(problem, predicted, prior, [alike_rows(problem)]) > 0))
+
+
+def between_slips(problem: Problem, choice: Choice) -> np.ndarray:
+    """Training rows (n,) between two slips of which the second takes back the first at once.
+
+    A shaft does not slip back to where it was within a few samples: there the camera saw another
+    thing, too near to stand off from each sample's noise. So are those after a slip that only the
+    last few show: nothing tells whether it stays.
+    """
+    out, time_s = np.zeros(len(problem.motion), dtype=bool), problem.motion.time_s
+    for piece in choice.fit.pieces:
+        if not isinstance(piece.term, LostSteps):
+            continue
+        jumps, times_s = piece.values[0::2], piece.values[1::2]
+        spans = [(times_s[-1], np.inf)]
+        if len(jumps) > 1 and abs(jumps.sum()) < TAKEN_BACK * abs(jumps[0]):
+            spans.append((times_s[0], times_s[1]))
+        for first_s, last_s in spans:
+            between = problem.train & (time_s >= first_s) & (time_s < last_s)
+            out |= between & (between.sum() <= longest_burst(problem.cycle))
+    return out
 
 
 def usual(problem: Problem, off: np.ndarray, prior: NoisePrior) -> np.ndarray:
@@ -54,7 +106,12 @@ def usual(problem: Problem, off: np.ndarray, prior: NoisePrior) -> np.ndarray:
 
 def repeats_of(problem: Problem, prior: NoisePrior) -> list[np.ndarray]:
     """Row numbers (repeats, steps) of cycles that repeat each other, and of equal commands."""
-    return [*prior.groups, at_commands(problem.motion.drive, SAME_COMMAND * problem.around.step)]
+    return [*prior.groups, alike_rows(problem)]
+
+
+def alike_rows(problem: Problem) -> np.ndarray:
+    """Row numbers (most, k) of equal commands on either branch, see `at_commands`."""
+    return at_commands(problem.motion.drive, SAME_COMMAND * problem.around.step)
 
 
 def turning(problem: Problem) -> np.ndarray:

@@ -44,6 +44,7 @@ from pipeline.discrepancy.search.swinging import swinging
 
 TURNS, STANDING, SETTLED = 4, 1.0, 3
 JUDGED_GAP = 25.0
+MANY = 0.01
 
 
 @dataclass(frozen=True)
@@ -95,8 +96,9 @@ def searched(problem: Problem) -> Explanation:
     """The sets of terms that explain a problem's training rows, looked for from nothing.
 
     Outliers are judged on the residual of the best explanation, so that a sharp corner is none;
-    where that changes them, or what is known of the noise, the choice is made anew. Where
-    calibration alone leaves no more than the accuracy that was declared, no terms are looked for.
+    where that changes them, or what is known of the noise, the choice is made anew, and once more
+    where that changes MANY of them: so many had bent the first choice. Where calibration alone
+    leaves no more than the accuracy that was declared, no terms are looked for.
     """
     prior = learn_noise(problem)
     candidates = excited_terms(problem)
@@ -104,7 +106,8 @@ def searched(problem: Problem) -> Explanation:
     settled = settled_rows(problem, prior)
     off = np.where(problem.train, problem.measured - problem.simulated, np.nan)
     repeats = repeats_of(problem, prior)
-    outliers = isolated(off, problem.train, prior.finest, repeats) & ~usual(problem, off, prior)
+    outliers = isolated(off, problem.train, prior.finest, problem.cycle, repeats)
+    outliers &= ~usual(problem, off, prior)
     used = problem.train & settled & ~outliers
     search = Search(candidates, effects, noise_family(prior, problem, used))
     ground = ground_of(problem, prior.model, used)
@@ -116,9 +119,10 @@ def searched(problem: Problem) -> Explanation:
     before, prior = prior, learnt_again(search, choices[0])
     found = mistaken_rows(problem, choices[0], prior)
     if prior is not before or not np.array_equal(found, outliers):
-        used = problem.train & settled & ~found
-        search = Search(candidates, effects, noise_family(prior, problem, used))
-        choices = choose_again(search, ground_of(problem, prior.model, used), choices)
+        search, used, choices = chosen_anew(search, prior, settled & ~found, choices)
+        last, found = found, mistaken_rows(problem, choices[0], prior)
+        if np.sum(found != last) > MANY * len(found):
+            search, used, choices = chosen_anew(search, prior, settled & ~found, choices)
     told = pressed(search, sprung(search, alone(search, polished(search, choices))))
     choices = levelled(search, searched_wide(search, choices, swinging(search, told)))
     choices = best_of_each([*contested(search, choices), *search.seen.values()])
@@ -130,6 +134,16 @@ def searched(problem: Problem) -> Explanation:
     choices = with_plain(search, choices)
     outliers = mistaken_rows(problem, choices[0], prior)
     return Explanation(problem, prior, search, choices, outliers, used)
+
+
+def chosen_anew(
+    search: Search, prior: NoisePrior, counted: np.ndarray, choices: list[Choice]
+) -> tuple[Search, np.ndarray, list[Choice]]:
+    """The search, the rows used and the choices where other training rows (n,) are counted."""
+    problem = choices[0].fit.ground.problem
+    used = problem.train & counted
+    again = Search(search.terms, search.effects, noise_family(prior, problem, used))
+    return again, used, choose_again(again, ground_of(problem, prior.model, used), choices)
 
 
 def searched_wide(search: Search, begun: list[Choice], found: list[Choice]) -> list[Choice]:

@@ -1,0 +1,81 @@
+"""Frames that show an earlier pose now and then, or are frozen for a while."""
+
+import numpy as np
+import pytest
+
+from pipeline.discrepancy.problem.late import late_frames
+from tests.discrepancy.made import (
+    ANGLE,
+    NOISE,
+    SIMULATED,
+    changed,
+    diagnosed,
+    names,
+    recorded,
+    value_of,
+)
+
+CYCLES, ROWS = 6, 200
+POSE = np.tile(np.interp(np.arange(ROWS), [0, 50, 150, 200], [0, 50, -50, 0]), CYCLES)
+N = len(POSE)
+CYCLE = np.arange(N) // ROWS
+EVERY = np.ones(N, dtype=bool)
+
+
+def measured(off: np.ndarray) -> np.ndarray:
+    return POSE + off + 0.25 * np.random.default_rng(1).standard_normal(N)
+
+
+def found(off: np.ndarray, repeats: tuple[np.ndarray, ...] = ()) -> np.ndarray:
+    return late_frames(measured(off), POSE, EVERY, 1e-9, CYCLE, repeats)
+
+
+def behind(by: np.ndarray) -> np.ndarray:
+    """How far poses that are some samples late (n,) are off their own."""
+    return POSE[np.maximum(np.arange(N) - by, 0)] - POSE
+
+
+@pytest.mark.parametrize(("frames", "share"), [(1, 0.3), (2, 0.1), (3, 0.06)])
+def test_frames_that_are_late_at_random_are_found(frames: int, share: float) -> None:
+    by = np.where(np.random.default_rng(2).random(N) < share, frames, 0)
+    by[:5] = 0
+    assert np.mean(found(behind(by)) == by) > 0.97
+
+
+def test_frames_that_are_frozen_for_a_while_are_found_late_and_later() -> None:
+    by = np.zeros(N, dtype=int)
+    for first in np.random.default_rng(3).choice(N // 12, 25, replace=False) * 12 + 6:
+        by[first : first + 5] = np.arange(5)
+    assert np.mean(found(behind(by)) == by) > 0.97
+
+
+@pytest.mark.parametrize(
+    "off",
+    [
+        np.zeros(N),
+        2.0 * (np.random.default_rng(4).random(N) < 0.08),
+        np.where(np.arange(N) > 600, behind(np.full(N, 2)), 0.0),
+        -0.5 * np.gradient(POSE),
+    ],
+    ids=["noise", "mistaken to one side", "late from a moment on", "all a little late"],
+)
+def test_what_is_no_late_frame_is_none(off: np.ndarray) -> None:
+    assert not found(off).any()
+
+
+def test_what_lags_at_the_same_steps_of_each_cycle_is_the_mechanism() -> None:
+    by = np.where(np.isin(np.arange(N) % ROWS, np.arange(60, 140, 6)), 3, 0)
+    assert found(behind(by)).any()
+    assert not found(behind(by), (np.arange(N).reshape(CYCLES, ROWS),)).any()
+
+
+def test_a_diagnosis_names_frames_that_are_late_now_and_then() -> None:
+    recording = recorded({})
+    angle, pose = recording.values(ANGLE).copy(), recording.values(SIMULATED)
+    rows = np.flatnonzero(np.random.default_rng(5).random(len(angle)) < 0.12)
+    rows = rows[rows >= 2]
+    angle[rows] += (pose[rows - 2] - pose[rows]) * np.ptp(angle) / np.ptp(pose)
+    result = diagnosed(changed(recording, **{ANGLE: angle}))
+    assert names(result) == {"frame_lag"}
+    assert value_of(result, "frame_lag", "lag").value == pytest.approx(2.0, abs=0.1)
+    assert result.diagnoses[0].after.heldout_rmse < 1.15 * NOISE
