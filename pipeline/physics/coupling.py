@@ -19,7 +19,8 @@ WAYS: Mapping[str, Way] = {
     RATE: Rate(),
 }
 NO_LOAD, BESIDES = (DIRECT, LEVER), (LEVER, RATE)
-GROWN = ("/play", "/late", DIRECT)
+DRAGGING = ("/play", "/late")
+GROWN = (*DRAGGING, DIRECT)
 OFFERED = ("", DIRECT, LEVER, RATE)
 SIZES = 2
 
@@ -68,8 +69,9 @@ class Coupling(Term):
         return (Coupling(f"{self.form}{DIRECT}"),) if self.form == self.channel else ()
 
     def richer(self) -> tuple[Term, ...]:
-        plain = self.form == self.channel
-        return tuple(Coupling(f"{self.form}{how}") for how in GROWN if plain)
+        plain, how = self.form == self.channel, self.form.removeprefix(self.channel)
+        others = GROWN if plain else [o for o in DRAGGING if how in DRAGGING and o != how]
+        return tuple(Coupling(f"{self.channel}{other}") for other in others)
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
         scale = scale_of(self.channel, around)
