@@ -9,7 +9,7 @@ from pipeline.physics.capstan_friction import CapstanFriction
 from pipeline.physics.coasting_play import CoastingPlay
 from pipeline.physics.contact import Contact
 from pipeline.physics.coulomb_friction import CoulombFriction
-from pipeline.physics.coupling import DIRECT, Coupling
+from pipeline.physics.coupling import OFFERED, Coupling
 from pipeline.physics.creep import Creep
 from pipeline.physics.drift import Drift
 from pipeline.physics.driven_stretch import DrivenStretch
@@ -37,6 +37,7 @@ from pipeline.physics.stribeck_friction import StribeckFriction
 from pipeline.physics.tension_loss import TensionLoss
 from pipeline.physics.term import Term, TermError
 from pipeline.physics.transmission_ripple import TransmissionRipple
+from pipeline.physics.turned_gravity import TURNED, TurnedGravity
 from pipeline.physics.viscous_friction import ViscousFriction
 from pipeline.physics.worn_play import WornPlay
 
@@ -86,11 +87,12 @@ def terms(other_commands: Iterable[str] = ()) -> tuple[Term, ...]:
         TensionLoss(),
         TensionLoss("cycle"),
         Gravity(),
+        *(TurnedGravity(f"{name}{TURNED}") for name in other_commands),
         Contact("upper"),
         Contact("lower"),
         EndStop("upper"),
         EndStop("lower"),
-        *(Coupling(f"{name}{how}") for name in other_commands for how in ("", DIRECT)),
+        *(Coupling(f"{name}{how}") for name in other_commands for how in OFFERED),
         ResponseLag(),
         ResponseLag("whole"),
         ResponseLag("running"),

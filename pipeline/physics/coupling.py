@@ -1,15 +1,28 @@
 """Coupling: another axis's command moves this one."""
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from pipeline.number_words import worded
-from pipeline.physics.backlash import play
 from pipeline.physics.balance import Load
+from pipeline.physics.coupling_ways import Dragging, Late, Lever, Rate, Way, scale_of
+from pipeline.physics.held import STEP_AND_WAIT_S
 from pipeline.physics.motion import Motion
 from pipeline.physics.term import HELD, NO_STATE, Parameter, Surroundings, Term
 
-WITH_PLAY, DIRECT = "/play", "/direct"
-SIZES = 3
+DIRECT, LEVER, RATE = "/direct", "/lever", "/rate"
+WAYS: Mapping[str, Way] = {
+    "/play": Dragging(),
+    "/late": Late(),
+    LEVER: Lever(),
+    RATE: Rate(),
+}
+NO_LOAD, BESIDES = (DIRECT, LEVER), (LEVER, RATE)
+DRAGGING = ("/play", "/late")
+GROWN = (*DRAGGING, DIRECT)
+OFFERED = ("", DIRECT, LEVER, RATE)
+SIZES = 2
 
 
 class Coupling(Term):
@@ -17,15 +30,15 @@ class Coupling(Term):
 
     v counts from that command's zero (`Motion.zeros`), which may be far from 0 in encoder counts.
 
-    Form "channel": gain v + bend v^2. Form "channel/play": drag (v - P(v)) besides, P being the
-    play operator of `width`: what the other wire drags along until it slips. drag = -gain is a
-    coupling through a wire that has play itself, gain = 0 a coupling by that wire's friction alone.
-    In the balance, so that friction, slack and contact answer to it; a free joint moves by as much,
-    times the slope of its curve there over the mean one: the wires are pulled. Form
-    "channel/direct" is no load: what the joint stands on is turned by as much.
-    Source: wires of one joint that run through another, first two terms of the power series; play
-    operator as in `backlash.py`, v - P(v) is its stop operator (Brokate and Sprekels, Hysteresis
-    and Phase Transitions (1996), section 2.3).
+    Form "channel": gain v + bend v^2. Form "channel/play": what the other wire drags along until it
+    slips besides. drag = -gain is a coupling through a wire that has play itself, gain = 0 a
+    coupling by that wire's friction alone. Form "channel/late": what it drags along until it has
+    relaxed. In the balance, so that friction, slack and contact answer to it; a free joint moves by
+    as much, times the slope of its curve there over the mean one: the wires are pulled. Form
+    "channel/direct" is no load: what the joint stands on is turned by as much. Beside each of these
+    may stand the forms "channel/rate", what the other axis drags along by its speed, and
+    "channel/lever": it changes this one's gain, which is no load either. See `coupling_ways.py`.
+    Source: wires of one joint that run through another, first two terms of the power series.
     """
 
     name = "coupling"
@@ -36,18 +49,17 @@ class Coupling(Term):
     says_squared = (
         "The command {other} moves this one too, by {gain} of it and {bend} of its square."
     )
-    says_with_play = (
-        "The command {other} moves this one too, by {gain} of it, and drags it along by {drag} of "
-        "the first {width} after each of its reversals."
-    )
 
     def __init__(self, form: str = "") -> None:
         self.form = form
-        self.channel = form.removesuffix(WITH_PLAY).removesuffix(DIRECT)
-        self.group = f"{self.name} {self.channel}"
-        self.plays = form.endswith(WITH_PLAY)
-        self.in_balance = not form.endswith(DIRECT)
-        self.only_beside = "" if self.in_balance else HELD
+        how = next((how for how in (*WAYS, DIRECT) if form.endswith(how)), "")
+        self.channel = form.removesuffix(how)
+        self.way = WAYS.get(how)
+        self.pushes = how not in BESIDES
+        self.group = f"{self.name} {self.channel if self.pushes else form}"
+        self.in_balance = how not in NO_LOAD
+        self.timed = self.way is not None and self.way.timed
+        self.only_beside = HELD if how == DIRECT else ""
 
     @property
     def kin(self) -> str:
@@ -57,67 +69,82 @@ class Coupling(Term):
         return (Coupling(f"{self.form}{DIRECT}"),) if self.form == self.channel else ()
 
     def richer(self) -> tuple[Term, ...]:
-        plain = self.form == self.channel
-        return tuple(Coupling(f"{self.form}{how}") for how in (WITH_PLAY, DIRECT) if plain)
+        plain, how = self.form == self.channel, self.form.removeprefix(self.channel)
+        others = GROWN if plain else [o for o in DRAGGING if how in DRAGGING and o != how]
+        return tuple(Coupling(f"{self.channel}{other}") for other in others)
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
-        span = max(around.other_span.get(self.channel, 2.0), 1e-9)
-        other = 0.5 * span
-        reach = around.angle_span / other
-        others = around.other_unit.get(self.channel, "deg")
-        unit, bend = f"{around.angle_unit}/{others}", reach / other
+        scale = scale_of(self.channel, around)
+        reach, usual, bend = scale.reach, 0.05 * scale.reach, 2.0 * scale.reach / scale.span
         own = (
-            Parameter("gain", unit, -reach, reach, 0.05 * reach, 0.05 * reach, measured=True),
-            Parameter("bend", f"{unit}^2", -bend, bend, 0.0, 0.02 * bend, measured=True),
+            Parameter("gain", scale.unit, -reach, reach, usual, usual, measured=True),
+            Parameter("bend", f"{scale.unit}^2", -bend, bend, 0.0, 0.02 * bend, measured=True),
         )
-        if not self.plays:
-            return own
-        return (
-            *own,
-            Parameter("drag", unit, -reach, reach, 0.05 * reach, 0.05 * reach, measured=True),
-            Parameter("width", others, 0.0, 0.9 * span, 0.1 * span, 0.05 * span),
-        )
+        besides = () if self.way is None else self.way.parameters(scale)
+        return (*own, *besides) if self.pushes else besides
 
-    def counted(self, motion: Motion) -> np.ndarray:
-        """The other axis's command from its zero, (n,)."""
-        return motion.others[self.channel] - motion.zeros.get(self.channel, 0.0)
+    def told(self, values: np.ndarray, motion: Motion) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """The other axis's command from its zero, what gain and bend make of it, the way's values.
+
+        Shapes (n,), (n,) and (w,).
+        """
+        other = motion.others[self.channel] - motion.zeros.get(self.channel, 0.0)
+        if not self.pushes:
+            return other, np.zeros(len(other)), values
+        return other, other * (values[0] + values[1] * other), values[SIZES:]
 
     def load(self, values: np.ndarray, motion: Motion, state: np.ndarray | None) -> Load:
-        other = self.counted(motion)
-        pushed = other * (values[0] + values[1] * other)
-        if not self.plays:
+        other, pushed, own = self.told(values, motion)
+        if self.way is None:
             return Load(pushed=pushed)
-        start = float(other[0]) if state is None else float(state[0])
-        slipped = play(np.ascontiguousarray(other), 0.5 * float(values[3]), start)
-        return Load(pushed=pushed + values[2] * (other - slipped), carried=slipped[-1:])
+        besides, carried = self.way.pushed(own, other, motion, state)
+        return Load(pushed=pushed + besides, carried=carried)
 
     def respond(
         self, signal: np.ndarray, motion: Motion, values: np.ndarray, state: np.ndarray | None
     ) -> tuple[np.ndarray, np.ndarray]:
-        other = self.counted(motion)
-        return signal + other * (values[0] + values[1] * other), NO_STATE
+        other, pushed, own = self.told(values, motion)
+        if isinstance(self.way, Lever):
+            signal = signal * self.way.turned(own, other)
+        return signal + pushed, NO_STATE
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
-        gain, span = self.parameters(around)[0].start, around.other_span.get(self.channel, 2.0)
-        if not self.plays:
-            return np.array([[gain, 0.0], [0.0, 2.0 * gain / max(span, 1e-9)]])
-        drags, widths = (-4.0 * gain, 4.0 * gain), (0.05 * span, 0.15 * span, 0.35 * span)
-        return np.array([[gain, 0.0, drag, width] for width in widths for drag in drags])
+        scale = scale_of(self.channel, around)
+        gain = 0.05 * scale.reach
+        if self.way is None:
+            return np.array([[gain, 0.0], [0.0, 2.0 * gain / scale.span]])
+        starts = self.way.starts(scale, gain)
+        if not self.pushes:
+            return starts
+        return np.hstack([np.tile([gain, 0.0], (len(starts), 1)), starts])
+
+    def sizes(self, values: np.ndarray) -> int:
+        """How many of its values, the first ones, are sizes."""
+        return len(values) - (0 if self.way is None else self.way.shapes)
 
     def scaled(self, values: np.ndarray, factor: float) -> np.ndarray:
-        return np.concatenate([factor * values[:SIZES], values[SIZES:]])
+        sizes = self.sizes(values)
+        return np.concatenate([factor * values[:sizes], values[sizes:]])
 
     def void(self, values: np.ndarray) -> bool:
-        return not np.any(values[:SIZES])
+        return not np.any(values[: self.sizes(values)])
 
     def excited(self, motion: Motion, around: Surroundings) -> bool:
-        return around.other_span.get(self.channel, 0.0) > 0.0
+        """A late one where the robot steps and waits: its command is held."""
+        held = not isinstance(self.way, Late) or around.dwell_s >= STEP_AND_WAIT_S
+        return held and around.other_span.get(self.channel, 0.0) > 0.0
 
     def sentence(self, values: np.ndarray, around: Surroundings) -> str:
         named = {
             p.name: f"{worded(value)} {p.unit}"
             for p, value in zip(self.parameters(around), values, strict=True)
         }
-        squared = abs(values[1]) * 0.5 * around.other_span.get(self.channel, 0.0) > abs(values[0])
-        says = self.says_squared if squared else self.says
-        return (self.says_with_play if self.plays else says).format(other=self.channel, **named)
+        other, says = f"The command {self.channel}", ""
+        if self.pushes:
+            half = 0.5 * around.other_span.get(self.channel, 0.0)
+            says = self.says_squared if abs(values[1]) * half > abs(values[0]) else self.says
+            says = says.format(other=self.channel, **named)
+        if self.way is None:
+            return says
+        besides = self.way.says.format(it="It" if says else other, **named)
+        return f"{says} {besides}".strip()

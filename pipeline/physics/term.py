@@ -124,6 +124,7 @@ class Term:
     periodic: whether it comes again over the drive; its second parameter is that period.
     side: 1 or -1 for each side of what may stand on both, once on each; 0 elsewhere.
     group: of its terms only one may stand; "" where that goes by the name.
+    goes_by: the other command that what bends a curve goes by, too; "" of one static curve.
     beyond: what its form says that the catalogue has no name for; "" where its name says all.
     unlikely: how much less likely than others it is in its form, in -2 log odds.
     mistaken_for: the name of what may be this instead, if it looks like that in disguise, or is
@@ -145,10 +146,11 @@ class Term:
     mistaken_for: str = ""
     unlikely: float = 0.0
     beyond: str = ""
+    goes_by: str = ""
     only_beside: str = ""
     own_law: bool = False
     adds: bool = False
-    timed: ClassVar[bool] = False
+    timed: bool = False
     far_apart: bool = False
     group: str = ""
     remembers: ClassVar[Literal["", "way", "time"]] = ""

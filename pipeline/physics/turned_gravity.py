@@ -1,0 +1,74 @@
+"""Gravity whose lever another axis turns away."""
+
+from typing import ClassVar
+
+import numpy as np
+
+from pipeline.number_words import worded
+from pipeline.physics.gravity import Gravity
+from pipeline.physics.motion import Motion
+from pipeline.physics.term import NO_STATE, Parameter, Surroundings
+
+TURNED = "/turned"
+FARTHEST = 0.5 * np.pi
+USUAL = 0.7
+SWEEPS = 6
+
+
+class TurnedGravity(Gravity):
+    """theta + deflection (sin(theta - zero) cos(turn v) + sin(zero)) is what a free joint takes.
+
+    v is the other axis's command from its zero, whose channel is the first part of `form`, and
+    `turn` v the angle by which it turns the weight out of this axis's plane: of the lever its
+    cosine is left there. After the balance. Source: static moment of a pendulum, projected.
+    """
+
+    in_balance = False
+    place = 75.0
+    grows: ClassVar = {}
+    says = (
+        "Its own weight bends it by up to {deflection}, depending on how it hangs, less where the "
+        "command {other} turns that away."
+    )
+
+    def __init__(self, form: str = TURNED) -> None:
+        self.form = form
+        self.channel = self.goes_by = form.removesuffix(TURNED)
+
+    @property
+    def kin(self) -> str:
+        return ""
+
+    def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
+        half = 0.5 * max(around.other_span.get(self.channel, 2.0), 1e-9)
+        unit = f"rad/{around.other_unit.get(self.channel, 'deg')}"
+        deflection, zero = super().parameters(around)
+        usual = USUAL / half
+        return (deflection, zero, Parameter("turn", unit, 0.0, FARTHEST / half, usual, usual))
+
+    def respond(
+        self, signal: np.ndarray, motion: Motion, values: np.ndarray, state: np.ndarray | None
+    ) -> tuple[np.ndarray, np.ndarray]:
+        weight, zero, turn = values
+        left = weight * np.cos(
+            turn * (motion.others[self.channel] - motion.zeros.get(self.channel, 0.0))
+        )
+        asked = signal - weight * np.sin(zero)
+        out = signal
+        for _ in range(SWEEPS):
+            off = out / motion.radian - zero
+            missing = asked - out - left * np.sin(off)
+            out = out + missing / (1.0 + left / motion.radian * np.cos(off))
+        return out, NO_STATE
+
+    def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
+        turn = self.parameters(around)[2].start
+        return np.insert(super().candidates(motion, around), 2, turn, axis=1)
+
+    def excited(self, motion: Motion, around: Surroundings) -> bool:
+        turns = around.other_span.get(self.channel, 0.0) > 0.0
+        return turns and super().excited(motion, around)
+
+    def sentence(self, values: np.ndarray, around: Surroundings) -> str:
+        bent = f"{worded(abs(values[0]))} {around.angle_unit}"
+        return self.says.format(deflection=bent, other=self.channel)

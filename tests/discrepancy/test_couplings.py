@@ -1,0 +1,69 @@
+"""Another axis that changes a joint's gain, drags it along by its speed, or turns its weight."""
+
+import pytest
+
+from pipeline.config import DiagnosisConfig
+from pipeline.discrepancy.model.result import Diagnosis
+from pipeline.stages.diagnosis import diagnose
+from tests.discrepancy.made import NOISE, recorded
+
+YAW = "yaw_command_deg"
+
+
+def diagnosed(hidden: dict[str, dict[str, float]], two_axes: bool = True) -> Diagnosis:
+    (diagnosis,) = diagnose(
+        DiagnosisConfig(), recorded(hidden, seed=4, two_axes=two_axes)
+    ).diagnoses
+    return diagnosis
+
+
+PLAIN = {f"coupling/{YAW}": {"gain": 0.1}}
+
+
+@pytest.mark.parametrize(
+    ("form", "values", "name"),
+    [
+        ("lever", {"lever": 0.002, "lever_bend": 0.0}, "lever"),
+        ("lever", {"lever": 0.0, "lever_bend": -1e-4}, "lever_bend"),
+        ("rate", {"damping": 0.15}, "damping"),
+    ],
+)
+def test_what_another_axis_does_is_told_by_its_own_law(form, values, name):
+    found = diagnosed({f"coupling/{YAW}/{form}": values})
+    (physics,) = found.physics
+    assert (physics.name, found.verdict) == ("coupling", "explained")
+    value = next(p.value for p in physics.parameters if p.name == name)
+    assert value == pytest.approx(values[name], rel=0.15)
+    assert found.after.heldout_rmse < 1.1 * NOISE
+
+
+def test_a_gain_that_changes_beside_a_push_is_the_same_coupling():
+    found = diagnosed({f"coupling/{YAW}": {"gain": 0.1}, f"coupling/{YAW}/lever": {"lever": 0.002}})
+    (physics,) = found.physics
+    assert (physics.name, found.verdict) == ("coupling", "explained")
+    told = {p.name: p.value for p in physics.parameters}
+    assert told[f"gain of {YAW}"] == pytest.approx(0.102, rel=0.1)
+    assert told[f"lever of {YAW}"] == pytest.approx(0.002, rel=0.15)
+
+
+def test_a_coupling_that_comes_late_draws_no_other_name():
+    late = {"gain": 0.15, "drag": -0.15, "time_constant": 30.0}
+    found = diagnosed({f"coupling/{YAW}/late": late})
+    assert [p.name for p in found.physics] == ["coupling"]
+    assert found.verdict == "explained"
+    assert found.after.heldout_rmse < 1.1 * NOISE
+
+
+def test_a_weight_that_another_axis_turns_away_is_gravity_and_no_other_bend():
+    hidden = {f"gravity/{YAW}/turned": {"deflection": 6.0, "zero": 0.7, "turn": 0.0175}}
+    found = diagnosed(hidden)
+    (physics,) = found.physics
+    assert (physics.name, found.verdict) == ("gravity", "explained")
+    assert physics.alternatives == ()
+    assert {p.name: p.value for p in physics.parameters}["turn"] == pytest.approx(0.0175, rel=0.15)
+
+
+def test_where_no_other_axis_moves_a_weight_is_as_any_bend():
+    found = diagnosed({"gravity": {"deflection": 6.0, "zero": 0.7}}, two_axes=False)
+    assert "coupling" in found.not_excited
+    assert found.verdict == "ambiguous"

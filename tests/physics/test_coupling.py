@@ -1,0 +1,74 @@
+"""Another axis's command: what it does to a joint by its speed, late, or by a lever."""
+
+import numpy as np
+import pytest
+
+from pipeline.physics.coupling import Coupling
+from pipeline.physics.kinematics import CubicCurve
+from pipeline.physics.mechanism import Mechanism, Piece
+from pipeline.physics.motion import Motion
+from pipeline.physics.term import Surroundings
+from pipeline.physics.turned_gravity import TurnedGravity
+
+YAW = "yaw"
+
+
+def moved(yaw: np.ndarray, drive: np.ndarray | float = 0.0, dwell_s: float = 3.0) -> Motion:
+    n = len(yaw)
+    return Motion(np.zeros(n) + drive, dwell_s * np.arange(n), np.zeros(n, dtype=int), {YAW: yaw})
+
+
+def answer(form: str, values: list[float], motion: Motion) -> np.ndarray:
+    piece = Piece(Coupling(f"{YAW}/{form}"), np.array(values))
+    return Mechanism(CubicCurve(0.7, 0.0), (piece,)).respond(motion)[0]
+
+
+@pytest.mark.parametrize(("dwell_s", "taken_s"), [(0.1, 0.1), (3.0, 0.5), (9.0, 0.5)])
+def test_a_step_drags_by_its_speed_and_takes_no_longer_than_a_step_does(dwell_s, taken_s):
+    yaw = np.array([0.0, 0.0, 6.0, 9.0, 9.0])
+    found = answer("rate", [0.02], moved(yaw, 10.0, dwell_s))
+    wanted = 7.0 + 0.02 * np.array([0.0, 0.0, 6.0, 3.0, 0.0]) / taken_s
+    np.testing.assert_allclose(found, wanted, atol=1e-9)
+
+
+def test_what_was_dragged_along_is_let_go_with_a_time_constant():
+    yaw = np.array([0.0, 0.0, 6.0, 6.0, 6.0])
+    found = answer("late", [0.1, 0.0, 0.2, 4.0], moved(yaw))
+    left = np.exp(-np.array([3.0, 6.0, 9.0]) / 4.0)
+    np.testing.assert_allclose(found[2:], 0.6 + 1.2 * left, atol=1e-9)
+
+
+def test_a_coupling_that_lets_go_of_all_of_its_gain_comes_late_as_a_whole():
+    yaw = 30.0 * np.sin(np.arange(200) / 9.0)
+    found, late = answer("late", [0.1, 0.0, -0.1, 6.0], moved(yaw)), 0.0
+    for k, now in enumerate(yaw):
+        late += (now - late) * (1.0 - np.exp(-3.0 / 6.0))
+        assert found[k] == pytest.approx(0.1 * late, abs=1e-9)
+
+
+def test_a_lever_that_the_other_axis_turns_away_is_about_its_cosine():
+    yaw, drive = np.linspace(-30.0, 30.0, 61), np.linspace(-50.0, 50.0, 61)
+    found = answer("lever", [0.0, -0.5 * (np.pi / 180.0) ** 2], moved(yaw, drive))
+    np.testing.assert_allclose(found, 0.7 * drive * np.cos(np.radians(yaw)), atol=0.12)
+    turned = answer("lever", [0.01, 0.0], moved(yaw, drive))
+    np.testing.assert_allclose(turned, 0.7 * drive * (1.0 + 0.01 * yaw), atol=1e-9)
+
+
+def test_the_channel_of_a_form_is_what_stands_before_the_last_slash():
+    for form in ("", "/play", "/late", "/rate", "/lever", "/direct"):
+        assert Coupling(f"/joint/cmd{form}").channel == "/joint/cmd"
+
+
+def test_only_a_command_that_is_held_drags_late():
+    late, motion = Coupling(f"{YAW}/late"), moved(np.arange(5.0))
+    spans = {YAW: 4.0}
+    assert late.excited(motion, Surroundings(dwell_s=3.0, other_span=spans))
+    assert not late.excited(motion, Surroundings(dwell_s=0.02, other_span=spans))
+
+
+def test_a_weight_that_the_other_axis_turns_away_hangs_in_balance():
+    yaw, drive = np.linspace(-40.0, 40.0, 81), np.linspace(60.0, -60.0, 81)
+    piece = Piece(TurnedGravity(f"{YAW}/turned"), np.array([12.0, 0.6, np.pi / 180.0]))
+    found = Mechanism(CubicCurve(0.7, 0.0), (piece,)).respond(moved(yaw, drive))[0]
+    bent = 12.0 * (np.sin(np.radians(found) - 0.6) * np.cos(np.radians(yaw)) + np.sin(0.6))
+    np.testing.assert_allclose(found + bent, 0.7 * drive, atol=1e-6)
