@@ -14,7 +14,7 @@ from pipeline.physics.term import Parameter, Shown, Surroundings, Term
 from pipeline.physics.transmission_ripple import TransmissionRipple
 
 SOONER = 0.5
-REACHES = 0.01, 0.04, 0.12
+REACHES, LONGEST = (0.01, 0.04, 0.12), 0.25
 BESIDE = (-1.0, -0.5, 0.0, 0.5, 1.0)
 
 
@@ -61,7 +61,8 @@ class TensionLoss(Term):
     number of the cycle. Forms "round" and "cycle round" grow as "linear" and "cycle", and their
     corners are round: a bank of plays whose widths lie up to a share `rounding` beside the whole.
     Forms "dragged" and "cycle dragged" grow so, too, of a wire that rubs: x = u - w / 2 z(u), with
-    Dahl's bristle z over a `reach` no shorter than w, else the joint would move against the drive.
+    Dahl's bristle z over a `reach` no shorter than w, else the joint would move against the drive,
+    nor so long that the wire hardly slips and what grows is its stretch.
     Each stands also "ahead of ripple", as `Backlash` does.
     Source: the play operator with a width that changes; banks of it (Prandtl, Ishlinskii); Dahl,
     AIAA J. 14 (1976) 1675; wear in proportion to the way slid (Archard, J. Appl. Phys. 24 (1953)
@@ -194,6 +195,10 @@ class TensionLoss(Term):
         """
         steady = Friction.name if "dragged" in self.in_usual_order else Backlash.name
         return self.name if shown.worth(0, range(2, len(values))) else steady
+
+    def slight(self, values: np.ndarray, around: Surroundings) -> bool:
+        dragged = "dragged" in self.in_usual_order
+        return dragged and bool(values[2] > LONGEST * around.drive_span)
 
     def excited(self, motion: Motion, around: Surroundings) -> bool:
         return around.cycles >= 2 and around.travel > 0.0

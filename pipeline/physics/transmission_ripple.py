@@ -14,7 +14,7 @@ from pipeline.physics.term import NO_STATE, Parameter, Surroundings, Term
 
 OVERTONES = {"second": (2,), "third": (3,), "both": (2, 3), "odd": (3,), "all": (2, 3)}
 EDGES = 3.0
-TWO = "two afloat"
+TWO, APART = "two afloat", 1.5
 GOING_ON = {"odd": (5, 7, 9), "all": (4, 5, 6, 7, 8)}
 
 
@@ -40,7 +40,8 @@ class TransmissionRipple(Term):
     them: teeth that seat, a wave with edges. In the form "two afloat" two waves, each of a period
     of its own: the teeth of a gear and the pulley that it turns, or the gears of two stages.
     A period that the drive does not run through at least once and a third is no ripple to be seen,
-    and edges that it does not meet three times are not told from a single one.
+    and edges that it does not meet three times are not told from a single one; two waves that do
+    not fall out of step one and a half times are one that swells at some place.
     Source: kinematic transmission error, e.g. Tuttle and Seering, IEEE Trans. Robotics and
     Automation 12(3) (1996) 368.
     """
@@ -138,6 +139,11 @@ class TransmissionRipple(Term):
 
     def resized(self, values: np.ndarray, factor: float) -> np.ndarray:
         return np.concatenate([values[:3], self.scaled(values[3:], factor)])
+
+    def slight(self, values: np.ndarray, around: Surroundings) -> bool:
+        if self.form != TWO:
+            return False
+        return abs(1.0 / values[1] - 1.0 / values[4]) * around.drive_span < APART
 
     def retold(self, starts: np.ndarray) -> np.ndarray:
         """Of two waves the long one may be the second harmonic of a longer one still."""

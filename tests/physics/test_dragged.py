@@ -6,6 +6,7 @@ import pytest
 from pipeline.physics.motion import Motion
 from pipeline.physics.pre_sliding import dragging
 from pipeline.physics.tension_loss import TensionLoss
+from pipeline.physics.term import Surroundings
 
 DRIVE = 40.0 * np.sin(np.linspace(0.0, 8.0 * np.pi, 801))
 MOTION = Motion(DRIVE, np.arange(801.0), np.arange(801) // 200)
@@ -32,3 +33,10 @@ def test_it_grows_with_the_way():
 def test_it_never_moves_against_the_drive(reach):
     out = answer("dragged", [0.0, 12.0, reach])
     assert np.all(np.diff(out) * np.diff(DRIVE) >= -1e-12)
+
+
+def test_a_wire_that_hardly_slips_is_told_otherwise():
+    around = Surroundings(drive_span=80.0)
+    assert TensionLoss("dragged").slight(np.array([0.004, 1.0, 30.0]), around)
+    assert not TensionLoss("dragged").slight(np.array([0.004, 1.0, 10.0]), around)
+    assert not TensionLoss("late").slight(np.array([0.004, 1.0, 300.0]), around)
