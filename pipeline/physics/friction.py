@@ -25,7 +25,8 @@ class Friction(Term):
     and "bristle asymmetric" are one bristle instead (see `pre_sliding.py`): full loops of Dahl's,
     LuGre's at low speed or Bouc and Wen's model look like a bank's, but their small ones drift.
     Form "wrapped" resists with 1 + growth |theta| times as much: a wire that lies round what it
-    bends rubs the more the further that is bent (first term of the capstan's power series).
+    bends rubs the more the further that is bent (first term of the capstan's power series), and so
+    does one that is pulled the more: where it is slack at home, by many times as much.
     Form "driven" is a bristle that the drive bends, x = u - width / 2 z(u), as models of tendons in
     sheaths have it, over no shorter a reach than keeps the joint from moving against the drive; it
     is told by what it holds back at the joint, like the others. In form "driven asymmetric" it is
@@ -70,7 +71,7 @@ class Friction(Term):
         )
         if self.form == WRAPPED:
             far = 0.5 * around.angle_span
-            return (*own, Parameter("growth", f"1/{unit}", 0.0, 1.2 / far, 0.5 / far, 0.3 / far))
+            return (*own, Parameter("growth", f"1/{unit}", 0.0, 10.0 / far, 0.5 / far, 2.0 / far))
         if "asymmetric" not in self.form:
             return own
         return (*own, Parameter("asymmetry", "", -0.9, 0.9, 0.0, 0.3))

@@ -11,7 +11,6 @@ from pipeline.physics.term import NO_STATE, Parameter, Surroundings, Term
 from pipeline.physics.transmission_ripple import TransmissionRipple
 
 MOMENTS = 150
-JUMP_2 = 2
 BEHIND = {
     " behind ripple": (TransmissionRipple.name, TransmissionRipple.place + 5.0),
     " behind play": (Backlash.group, Backlash.place + 15.0),
@@ -41,6 +40,7 @@ class LostSteps(Term):
         times, *behind = form.split(" ", 1)
         self.only_beside, self.place = BEHIND[f" {behind[0]}"] if behind else ("", 10.0)
         self.times = 2 if times == "twice" else 1
+        self.scanned = self.times == 2
 
     @property
     def in_usual_order(self) -> str:
@@ -84,6 +84,9 @@ class LostSteps(Term):
             return np.column_stack([np.full(len(times_s), size), times_s])
         first = [size, 0.5 * (around.start_s + around.end_s)]
         return np.array([[*first, size, t] for t in times_s])
+
+    def resized(self, values: np.ndarray, factor: float) -> np.ndarray:
+        return values * [1.0, 1.0, factor, 1.0]
 
     def excited(self, motion: Motion, around: Surroundings) -> bool:
         return len(motion) > 20

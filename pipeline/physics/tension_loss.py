@@ -7,11 +7,14 @@ from numba import njit
 
 from pipeline.number_words import worded
 from pipeline.physics.backlash import AHEAD, BEFORE_RIPPLE, Backlash, varying_play
+from pipeline.physics.friction import Friction
 from pipeline.physics.motion import Motion
+from pipeline.physics.pre_sliding import bristled
 from pipeline.physics.term import Parameter, Shown, Surroundings, Term
 from pipeline.physics.transmission_ripple import TransmissionRipple
 
 SOONER = 0.5
+REACHES, LONGEST = (0.01, 0.04, 0.12), 0.25
 BESIDE = (-1.0, -0.5, 0.0, 0.5, 1.0)
 
 
@@ -35,6 +38,21 @@ def worn_play(drive, width, growth, onset, settled, at, last, travel):  # type: 
     return out, travel
 
 
+@njit(cache=True)
+def dragged(drive, width, reach, at, force):  # type: ignore[no-untyped-def]
+    """The drive less half a width (n,) times a bristle's share, (n,), and that share in the end.
+
+    at, force: where the drive and the share were before.
+    """
+    out = np.empty(drive.size)
+    for i in range(drive.size):
+        stiffness = 1.0 / max(reach, width[i], 1e-12)
+        force = bristled(force, drive[i] - at, stiffness, 1.0, 1.0, 1.0)[0]
+        at = drive[i]
+        out[i] = at - 0.5 * width[i] * force
+    return out, force
+
+
 class TensionLoss(Term):
     """Play of a width that grows with the travel s of the drive: wear, or slackening.
 
@@ -42,9 +60,13 @@ class TensionLoss(Term):
     w = width + growth settled (1 - exp(-s / settled)); "cycle" w = width + growth n, n being the
     number of the cycle. Forms "round" and "cycle round" grow as "linear" and "cycle", and their
     corners are round: a bank of plays whose widths lie up to a share `rounding` beside the whole.
+    Forms "dragged" and "cycle dragged" grow so, too, of a wire that rubs: x = u - w / 2 z(u), with
+    Dahl's bristle z over a `reach` no shorter than w, else the joint would move against the drive,
+    nor so long that the wire hardly slips and what grows is its stretch.
     Each stands also "ahead of ripple", as `Backlash` does.
-    Source: the play operator with a width that changes; banks of it (Prandtl, Ishlinskii); wear in
-    proportion to the way slid (Archard, J. Appl. Phys. 24 (1953) 981).
+    Source: the play operator with a width that changes; banks of it (Prandtl, Ishlinskii); Dahl,
+    AIAA J. 14 (1976) 1675; wear in proportion to the way slid (Archard, J. Appl. Phys. 24 (1953)
+    981).
     """
 
     name = "tension_loss"
@@ -58,8 +80,8 @@ class TensionLoss(Term):
     grows: ClassVar = {
         f"{form}{ahead}": tuple(f"{richer}{ahead}" for richer in further)
         for form, further in (
-            ("linear", ("late", "settling", "round")),
-            ("cycle", ("late", "settling", "cycle round")),
+            ("linear", ("late", "settling", "round", "dragged")),
+            ("cycle", ("late", "settling", "cycle round", "cycle dragged")),
         )
         for ahead in ("", f" {AHEAD}")
     }
@@ -94,6 +116,8 @@ class TensionLoss(Term):
         own = (growth, Parameter("width", unit, 0.0, 0.8 * span, 0.02 * span, 0.05 * span))
         if self.in_usual_order == "late":
             return (*own, Parameter("onset", unit, 0.0, 0.9 * travel, 0.2 * travel, 0.0))
+        if "dragged" in self.in_usual_order:
+            return (*own, Parameter("reach", unit, 0.0, span, 0.05 * span, 0.05 * span))
         if "round" in self.in_usual_order:
             return (*own, Parameter("rounding", "", 0.0, 1.0, 0.5, 0.2))
         if self.in_usual_order == "settling":
@@ -104,6 +128,8 @@ class TensionLoss(Term):
     def respond(
         self, signal: np.ndarray, motion: Motion, values: np.ndarray, state: np.ndarray | None
     ) -> tuple[np.ndarray, np.ndarray]:
+        if "dragged" in self.in_usual_order:
+            return self.respond_dragged(signal, motion, values, state)
         growth, width, *more = values
         onset = more[0] if self.in_usual_order == "late" else 0.0
         settled = more[0] if self.in_usual_order == "settling" else np.inf
@@ -126,6 +152,18 @@ class TensionLoss(Term):
         kept = np.array([*(play[-1] for play in plays), signal[-1], travel, *first])
         return (plays[0] if len(plays) == 1 else np.mean(plays, axis=0)), kept
 
+    def respond_dragged(
+        self, signal: np.ndarray, motion: Motion, values: np.ndarray, state: np.ndarray | None
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """As `respond`, of a wire that rubs; state: drive, bristle, travel, the first cycle."""
+        growth, width, reach = values
+        begun = (signal[0], 0.0, 0.0, motion.cycle[0]) if state is None else state
+        at, force, travelled, first = (float(v) for v in begun)
+        travel = travelled + np.cumsum(np.abs(np.diff(signal, prepend=at)))
+        grown = motion.cycle - first if "cycle" in self.in_usual_order else travel
+        out, force = dragged(np.ascontiguousarray(signal), width + growth * grown, reach, at, force)
+        return out, np.array([signal[-1], force, travel[-1], first])
+
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
         parts = around.cycles if "cycle" in self.in_usual_order else around.travel
         growths = around.drive_span / max(parts, 1e-9) * np.array([0.01, 0.05, 0.2])
@@ -134,6 +172,8 @@ class TensionLoss(Term):
             return np.array(rows)
         if "round" in self.in_usual_order:
             return np.array([[*r, 0.5] for r in rows])
+        if "dragged" in self.in_usual_order:
+            return np.array([[*r, reach * around.drive_span] for r in rows for reach in REACHES])
         return np.array([[*r, s * around.travel] for r in rows for s in (0.15, 0.4)])
 
     def retold(self, starts: np.ndarray) -> np.ndarray:
@@ -149,10 +189,16 @@ class TensionLoss(Term):
     def plainer(self, values: np.ndarray, shown: Shown) -> str:
         """Backlash where the growth is not worth a parameter, the course that it takes known.
 
-        Of a growth that is none nothing can be learnt of its course (Davies, Biometrika 64 (1977)
-        247), and with both free a growth that is surely there looks as if it might not be.
+        Friction where the wire rubs. Of a growth that is none nothing can be learnt of its course
+        (Davies, Biometrika 64 (1977) 247), and with both free a growth that is surely there looks
+        as if it might not be.
         """
-        return self.name if shown.worth(0, range(2, len(values))) else Backlash.name
+        steady = Friction.name if "dragged" in self.in_usual_order else Backlash.name
+        return self.name if shown.worth(0, range(2, len(values))) else steady
+
+    def slight(self, values: np.ndarray, around: Surroundings) -> bool:
+        dragged = "dragged" in self.in_usual_order
+        return dragged and bool(values[2] > LONGEST * around.drive_span)
 
     def excited(self, motion: Motion, around: Surroundings) -> bool:
         return around.cycles >= 2 and around.travel > 0.0

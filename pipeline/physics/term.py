@@ -131,6 +131,8 @@ class Term:
     behind it by no more than its charge.
     only_beside: what a form differs from its kin beside, and nowhere else: a name, a group, or
     HELD, where a term holds the joint; "" for anything.
+    scanned: whether what its form has beyond a plainer one is looked for all over a grid, each
+    start in the size that suits what that leaves (`resized`); what both forms have is kept.
     own_law: whether a form bends otherwise than the plainer one whose parameters it has: a fit of
     that is one more place to begin from, not the only one.
     """
@@ -149,6 +151,7 @@ class Term:
     goes_by: str = ""
     only_beside: str = ""
     own_law: bool = False
+    scanned: bool = False
     adds: bool = False
     timed: bool = False
     far_apart: bool = False
@@ -219,6 +222,10 @@ class Term:
         out = values.copy()
         out[0] *= factor
         return out
+
+    def resized(self, values: np.ndarray, factor: float) -> np.ndarray:
+        """Parameters of about `factor` times what a scanned form has beyond a plainer one."""
+        return values
 
     def retold(self, starts: np.ndarray) -> np.ndarray:
         """Starts (k, p) with those that tell about the same in another way, if there are any."""

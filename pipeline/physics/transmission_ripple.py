@@ -1,10 +1,12 @@
 """Ripple: a periodic error over the shaft angle (eccentric pulley, gear teeth)."""
 
+from dataclasses import replace
 from typing import ClassVar
 
 import numpy as np
 from numba import njit
 
+from pipeline.number_words import worded
 from pipeline.physics.force_units import FORCES
 from pipeline.physics.motion import Motion
 from pipeline.physics.tabled import waved
@@ -12,6 +14,7 @@ from pipeline.physics.term import NO_STATE, Parameter, Surroundings, Term
 
 OVERTONES = {"second": (2,), "third": (3,), "both": (2, 3), "odd": (3,), "all": (2, 3)}
 EDGES = 3.0
+TWO, APART = "two afloat", 1.5
 GOING_ON = {"odd": (5, 7, 9), "all": (4, 5, 6, 7, 8)}
 
 
@@ -34,9 +37,11 @@ class TransmissionRipple(Term):
     - sin(phase): the zero was not taken where the drive is 0, and where the nominal curve bends
     that is more than an offset. In the forms "odd" and "all" the overtones of "third" and "both" go
     on, each `further` times the one before and as far ahead of it in phase, as what snaps over has
-    them: teeth that seat, a wave with edges.
+    them: teeth that seat, a wave with edges. In the form "two afloat" two waves, each of a period
+    of its own: the teeth of a gear and the pulley that it turns, or the gears of two stages.
     A period that the drive does not run through at least once and a third is no ripple to be seen,
-    and edges that it does not meet three times are not told from a single one.
+    and edges that it does not meet three times are not told from a single one; two waves that do
+    not fall out of step one and a half times are one that swells at some place.
     Source: kinematic transmission error, e.g. Tuttle and Seering, IEEE Trans. Robotics and
     Automation 12(3) (1996) 368.
     """
@@ -47,11 +52,11 @@ class TransmissionRipple(Term):
     periodic = True
     before_curve = True
     grows: ClassVar = {
-        "first": ("first afloat", "second", "second afloat", "third afloat"),
-        "first afloat": ("second afloat", "third afloat"),
-        "second": ("second afloat", "both afloat"),
-        "second afloat": ("both afloat",),
-        "third afloat": ("both afloat", "odd afloat"),
+        "first": ("first afloat", "second", "second afloat", "third afloat", TWO),
+        "first afloat": ("second afloat", "third afloat", TWO),
+        "second": ("second afloat", "both afloat", TWO),
+        "second afloat": ("both afloat", TWO),
+        "third afloat": ("both afloat", "odd afloat", TWO),
         "both afloat": ("all afloat",),
     }
     means = "a periodic error over the shaft angle: eccentric pulley, gear teeth"
@@ -63,6 +68,7 @@ class TransmissionRipple(Term):
         self.form = form
         self.overtones = OVERTONES.get(form.removesuffix(" afloat"), ())
         self.going_on = GOING_ON.get(form.removesuffix(" afloat"), ())
+        self.scanned = form == TWO
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
         span, unit = around.drive_span, around.drive_unit
@@ -77,6 +83,8 @@ class TransmissionRipple(Term):
                 Parameter(f"amplitude_{times}", unit, 0.0, 0.3 * span, 0.005 * span, 0.01 * span),
                 Parameter(f"phase_{times}", "rad", -4.0 * np.pi, 4.0 * np.pi, 0.0, 0.0),
             )
+        if self.form == TWO:
+            own += tuple(replace(p, name=f"other_{p.name}") for p in own)
         if self.going_on:
             own += (Parameter("further", "", 0.0, 1.0, 0.5, 0.3),)
         return own
@@ -92,6 +100,9 @@ class TransmissionRipple(Term):
 
     def waves(self, values: np.ndarray) -> np.ndarray:
         """How often each wave comes in a period, its amplitude and its phase, (k, 3)."""
+        if self.form == TWO:
+            amplitude, period, phase, other, its_period, its_phase = values
+            return np.array([[1.0, amplitude, phase], [period / its_period, other, its_phase]])
         told = 1 + len(self.overtones)
         out = np.empty((told + len(self.going_on), 3))
         out[:, 0] = (1.0, *self.overtones, *self.going_on)
@@ -111,6 +122,9 @@ class TransmissionRipple(Term):
         waves = np.arange(fewest / span, highest, 0.5 / span)
         phases = np.arange(4) * np.pi / 4.0
         rows = [[amplitude, 1.0 / f, p] for f in waves for p in phases]
+        if self.form == TWO:
+            first = [p.start for p in self.parameters(around)[:3]]
+            return np.array([[*first, *r] for r in rows])
         for _ in self.overtones:
             rows = [[*r, 0.3 * amplitude, p] for r in rows for p in np.arange(4) * np.pi / 2.0]
         if self.going_on:
@@ -122,6 +136,14 @@ class TransmissionRipple(Term):
         if factor < 0.0:
             out[2] += np.pi
         return out
+
+    def resized(self, values: np.ndarray, factor: float) -> np.ndarray:
+        return np.concatenate([values[:3], self.scaled(values[3:], factor)])
+
+    def slight(self, values: np.ndarray, around: Surroundings) -> bool:
+        if self.form != TWO:
+            return False
+        return abs(1.0 / values[1] - 1.0 / values[4]) * around.drive_span < APART
 
     def retold(self, starts: np.ndarray) -> np.ndarray:
         """Of two waves the long one may be the second harmonic of a longer one still."""
@@ -140,4 +162,12 @@ class TransmissionRipple(Term):
         waves = self.waves(values)
         times, amplitude, _ = waves[np.argmax(waves[:, 1])]
         told = np.concatenate([[amplitude, values[1] / times], values[2:]])
-        return super().sentence(told, around)
+        said = super().sentence(told, around)
+        if self.form != TWO:
+            return said
+        other, period = (waves[np.argmin(waves[:, 1]), k] for k in (1, 0))
+        unit = around.drive_unit
+        return (
+            f"{said} Beside that it does so by {worded(other)} {unit}, "
+            f"every {worded(values[1] / period)} {unit}."
+        )

@@ -90,6 +90,34 @@ def test_a_ripple_of_three_harmonics_leaves_no_rest():
     assert found.after.heldout_rmse < 1.1 * NOISE
 
 
+@pytest.mark.parametrize("sizes", [(2.0, 1.2), (0.9, 2.0)])
+def test_two_waves_of_periods_of_their_own_are_one_ripple_beside_play(sizes):
+    waves = {"amplitude": sizes[0], "period": 37.0, "phase": 1.5,
+             "other_amplitude": sizes[1], "other_period": 11.4, "other_phase": 4.0}  # fmt: skip
+    hidden = {"transmission_ripple/two afloat": waves, "backlash": {"width": 3.0}}
+    result = diagnosed(recorded(hidden, seed=11))
+    assert names(result) == {"transmission_ripple", "backlash"}
+    assert result.diagnoses[0].after.heldout_rmse < 1.1 * NOISE
+
+
+@pytest.mark.parametrize("form", ["dragged", "cycle dragged"])
+def test_friction_that_grows_is_a_wire_that_slackens_and_nothing_beside(form):
+    growth = {"growth_a_cycle": 0.5} if "cycle" in form else {"growth": 0.0022}
+    dragged = {"width": 0.6, "reach": 4.0, **growth}
+    assert names(diagnosed(recorded({f"tension_loss/{form}": dragged}, seed=3))) == {"tension_loss"}
+
+
+def test_friction_beside_play_that_grows_keeps_its_name():
+    hidden = {
+        "friction": {"width": 1.6, "reach": 4.0, "spread": 0.9},
+        "tension_loss/cycle": {"growth_a_cycle": 0.6, "width": 0.0},
+    }
+    (found,) = diagnosed(recorded(hidden, seed=3)).diagnoses
+    told = [{p.name, *p.alternatives} for p in found.physics]
+    assert len(told) == 2
+    assert all(any(name in few for few in told) for name in ("friction", "tension_loss"))
+
+
 def with_wave(form, seed):
     """A recording with 1.6 deg times `form` of the command on top of its measurement."""
     recording = recorded({}, seed=seed)

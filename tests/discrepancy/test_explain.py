@@ -94,6 +94,7 @@ def test_a_lens_that_bends_less_towards_its_edge_draws_no_second_name():
     "hidden",
     [
         {"friction/wrapped": {"width": 2.0, "reach": 3.0, "spread": 0.7, "growth": 0.03}},
+        {"friction/wrapped": {"width": 0.4, "reach": 0.5, "spread": 0.3, "growth": 0.2}},
         {"contact/upper hardening": {"stiffness": 0.0, "angle": 12.0, "hardening": 0.012}},
     ],
 )

@@ -58,6 +58,20 @@ def test_a_course_of_the_travel_is_found_from_play_that_grows_by_cycle(form, cou
     assert reformed(begun, 0, further[form]).cost < truth.cost + 3.0
 
 
+@pytest.mark.parametrize("ratio", [2.3, 3.6])
+@pytest.mark.parametrize(("form", "size"), [("first", 3), ("second afloat", 5)])
+def test_a_wave_of_another_period_is_found_beside_one(ratio, form, size):
+    waves = {"amplitude": 2.0, "period": 40.0, "phase": 1.0,
+             "other_amplitude": 1.2, "other_period": 40.0 / ratio, "other_phase": 3.0}  # fmt: skip
+    ground = ground_with({"transmission_ripple/two afloat": waves})
+    two = term("transmission_ripple", "two afloat")
+    truth = improve(evaluate(ground, [Piece(two, np.array([*waves.values()]))]), 10)
+    alone = Piece(term("transmission_ripple", form), np.array([1.8, 38.0, 1.1, 0.1, 0.0][:size]))
+    begun = improve(evaluate(ground, [alone]), 20)
+    assert begun.cost > truth.cost + 30.0
+    assert reformed(begun, 0, two).cost < truth.cost + 1.0
+
+
 def test_edges_that_come_less_than_three_times_are_no_teeth():
     long = {"amplitude": 2.0, "period": 48.0, "phase": 1.0, "amplitude_3": 0.6, "phase_3": 3.0}
     ground = ground_with({"transmission_ripple/third afloat": long})

@@ -194,6 +194,14 @@ def test_of_two_waves_the_larger_one_is_told():
     assert "by 0.4 deg, again and again every 11.5 deg" in said
 
 
+def test_both_of_two_waves_of_periods_of_their_own_are_told():
+    around = Surroundings(drive_span=120.0, drive_unit="deg")
+    waves = np.array([0.4, 23.0, 1.0, 0.9, 9.0, 2.0])
+    said = term("transmission_ripple", "two afloat").sentence(waves, around)
+    assert "by 0.9 deg, again and again every 9 deg" in said
+    assert "by 0.4 deg, every 23 deg" in said
+
+
 @pytest.mark.parametrize("amplitude", [60.0, 400.0])
 def test_tabled_waves_are_what_ripple_and_tilt_say(amplitude):
     motion = triangle(1, amplitude)

@@ -12,7 +12,6 @@ from pipeline.discrepancy.fitting.fit import (
 )
 from pipeline.discrepancy.fitting.moments import settle_moments
 from pipeline.discrepancy.fitting.screen import PROMISING, gains_of
-from pipeline.physics.lost_steps import JUMP_2
 from pipeline.physics.mechanism import Piece
 from pipeline.physics.term import Term
 
@@ -32,7 +31,8 @@ def reformed(fit: Fit, place: int, term: Term) -> Fit:
     problem = fit.ground.problem
     starts = term.candidates(problem.motion, problem.around)
     same_place = term.before_curve == old.term.before_curve
-    if same_place and (set(had) <= set(names) or set(names) <= set(had)):
+    nested = set(had) <= set(names) or set(names) <= set(had)
+    if same_place and (nested or term.scanned):
         kept = starts.copy()
         for value, name in zip(old.values, had, strict=True):
             if name in names:
@@ -42,8 +42,8 @@ def reformed(fit: Fit, place: int, term: Term) -> Fit:
         fresh = starts if term.own_law else starts[:0]
         starts = np.vstack([told, fresh]) if len(told) else np.clip(kept, box.low, box.high)
     before, after = fit.pieces[:place], fit.pieces[place + 1 :]
-    if any(p.moment and p.name not in had for p in parameters_of(fit.ground, term)):
-        starts = _sized(fit, place, term, starts)
+    if term.scanned and not set(names) <= set(had):
+        starts = _sized(fit, place, term, starts, nested)
     trials = [evaluate(fit.ground, (*before, Piece(term, values), *after)) for values in starts]
     trials.sort(key=lambda t: t.cost)
     if term.far_apart:
@@ -56,14 +56,18 @@ def _within(box: Box, starts: np.ndarray) -> np.ndarray:
     return np.asarray(starts[np.all((starts >= box.low) & (starts <= box.high), axis=1)])
 
 
-def _sized(fit: Fit, place: int, term: Term, starts: np.ndarray) -> np.ndarray:
-    """The starts (k, p) of a second slip that promise most, each with the jump that suits it."""
+def _sized(fit: Fit, place: int, term: Term, starts: np.ndarray, nested: bool) -> np.ndarray:
+    """The starts (k, p) of a scanned form that promise most, each in the size that suits it.
+
+    nested: whether the fit has the plainer form; else what another one has beyond that goes first.
+    """
     before, after = fit.pieces[:place], fit.pieces[place + 1 :]
+    if not nested:
+        alone = Piece(term, term.resized(starts[0], 0.0))
+        fit = evaluate(fit.ground, (*before, alone, *after))
     traces = [respond_beside(fit, (*before, Piece(term, v), *after), term) for v in starts]
     answers = [fit.ground.answer(t, fit.nuisance) for t in traces]
     columns = np.column_stack(answers) - fit.predicted[:, None]
     gains, factors = gains_of(fit, np.ones(len(starts), dtype=bool), columns)
     best = np.argsort(-gains)[:PROMISING]
-    out = starts[best]
-    out[:, JUMP_2] *= factors[best]
-    return out
+    return np.array([term.resized(starts[k], factors[k]) for k in best])

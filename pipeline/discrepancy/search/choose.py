@@ -349,17 +349,19 @@ def excludes(term: Term, other: Term) -> bool:
 def grown(search: Search, choice: Choice, but: Container[str] = ()) -> Choice:
     """The choice with each term in the richer form that its score prefers, if any.
 
-    but: names whose forms stay. A form that fits no better can't be worth its parameters.
+    but: names whose forms stay. A form that fits no better can't be worth its parameters. What is
+    scanned for is looked for beside the form as it was: another one may have taken a part of it.
     """
     problem = choice.fit.ground.problem
     for i, piece in enumerate(choice.fit.pieces):
+        begun = choice.fit
         for term in () if piece.term.name in but else richer(piece.term):
             key = choice.fit.key - {(piece.term.name, piece.term.form)} | {(term.name, term.form)}
             if search.tried_in_vain(key, choice):
                 continue
             if not term.excited(problem.motion, problem.around):
                 continue
-            fit = reformed(choice.fit, i, term)
+            fit = reformed(begun if term.scanned else choice.fit, i, term)
             trial = search.weighed(fit, choice.place) if fit.cost < choice.fit.cost else choice
             if trial.score < choice.score:
                 choice = trial
