@@ -15,7 +15,7 @@ from pipeline.discrepancy.search.pressed import plainer
 
 ENOUGH = 0.7
 MOST_LEFT = 0.1
-PLAINLY = 8.0
+PLAINLY = 4.0
 UNFOLLOWED = 0.7
 FORM_ERROR = 0.05
 ODDS, BESIDE, RESTLESS = 2.0, 3.0, 7.0
@@ -74,7 +74,7 @@ def fewer(explanation: Explanation, choice: Choice) -> Choice:
 
     Where that rest is less than a twentieth of the mismatch (RMS), all names stay that explain more
     than they leave together: then it is the form of a term, but not of as many as a search takes.
-    So do those that each explain eight times what they leave together. Else the best single term
+    So do those that each explain four times what they leave together. Else the best single term
     stays if it alone explains most of the mismatch, and nine tenths of its structure, which the
     noise that was learnt from repeats may hide; otherwise none does.
     """
