@@ -11,7 +11,7 @@ ISOLATED = 5.0
 RETURNS, FEWEST_REPEATS, MOST = 0.5, 3, 0.65
 FEWEST_KIN = 4
 SHORT, LONGEST, OF_CYCLE = 5, 12, 0.06
-SUDDEN, BACK, SEEN_ONCE = 0.6, 0.5, 3
+SUDDEN, BACK, EVEN, SEEN = 0.6, 0.5, 0.4, 4
 
 
 def isolated(
@@ -49,8 +49,9 @@ def bursts(
 
     They stand off from what was before and after by ISOLATED deviations of such a distance, and get
     there at once and at once back to where they were: a corner, a jump that stays and a slow wave
-    do not. The shortest are found first and then passed over. Two that follow each other, at once
-    or after one sample, are one, to whichever sides.
+    do not, and what swings was not at rest before and after. The shortest are found first and then
+    passed over. Two that follow each other at once, or with one in SEEN seen right, are one, to
+    whichever sides.
     """
     out = np.zeros(len(residual), dtype=bool)
     longest = longest_burst(cycle)
@@ -73,22 +74,24 @@ def longest_burst(cycle: np.ndarray) -> int:
 def runs_off(values: np.ndarray, train: np.ndarray, finest: float, length: int) -> np.ndarray:
     """Mask (m,) of values (m,) in runs of one length that are a burst, see `bursts`."""
     out = np.zeros(len(values), dtype=bool)
-    _, sides = off_both_sides(values, length - 1)
-    scale = max(robust_deviation(sides[:, train].ravel()), finest)
+    _, apart = off_both_sides(values, length - 1)
+    scale = max(robust_deviation(apart[:, train].ravel()), finest)
     step = np.abs(np.diff(values))
     sudden = (step > SUDDEN * ISOLATED * scale)[NEIGHBOURS - 1 : len(step) - NEIGHBOURS + 1]
     first = np.flatnonzero(sudden[:-length] & sudden[length:]) + NEIGHBOURS
     if not len(first):
         return out
     beside = np.arange(NEIGHBOURS)
-    before = np.median(values[first[:, None] - 1 - beside], axis=1)
-    after = np.median(values[first[:, None] + length + beside], axis=1)
+    sides = values[first[:, None] - 1 - beside], values[first[:, None] + length + beside]
+    before, after = (np.median(side, axis=1) for side in sides)
     middle, apart = 0.5 * (before + after), np.abs(after - before)
+    uneven = np.maximum(*(np.ptp(side, axis=1) for side in sides))
     rows = first[:, None] + np.arange(length)
-    off = np.sort(np.abs(values[rows] - middle[:, None]), axis=1)
-    height = off[:, int(length > SEEN_ONCE)] - 0.5 * apart
-    edge = np.minimum(step[first - 1], step[first + length - 1])
-    found = (height > ISOLATED * scale) & (edge > SUDDEN * height) & (apart < BACK * height)
+    off = np.abs(values[rows] - middle[:, None])
+    height = np.sort(off, axis=1)[:, length // SEEN] - 0.5 * apart
+    sudden = (step[first - 1] > SUDDEN * off[:, 0]) & (step[rows[:, -1]] > SUDDEN * off[:, -1])
+    found = sudden & (height > ISOLATED * scale)
+    found &= (apart < BACK * height) & (uneven < EVEN * height)
     out[rows[found]] = True
     return out
 
