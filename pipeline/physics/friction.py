@@ -71,7 +71,7 @@ class Friction(Term):
         )
         if self.form == WRAPPED:
             far = 0.5 * around.angle_span
-            return (*own, Parameter("growth", f"1/{unit}", 0.0, 10.0 / far, 0.5 / far, 2.0 / far))
+            return (*own, Parameter("growth", f"1/{unit}", 0.0, 8.0 / far, 0.5 / far, 2.0 / far))
         if "asymmetric" not in self.form:
             return own
         return (*own, Parameter("asymmetry", "", -0.9, 0.9, 0.0, 0.3))

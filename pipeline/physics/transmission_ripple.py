@@ -40,8 +40,9 @@ class TransmissionRipple(Term):
     them: teeth that seat, a wave with edges. In the form "two afloat" two waves, each of a period
     of its own: the teeth of a gear and the pulley that it turns, or the gears of two stages.
     A period that the drive does not run through at least once and a third is no ripple to be seen,
-    and edges that it does not meet three times are not told from a single one; two waves that do
-    not fall out of step one and a half times are one that swells at some place.
+    and edges that it does not meet three times are not told from a single one; of two
+    waves, one that it runs through less than one and a half times is a bend beside the other, and
+    two that fall out of step less often than that are one that swells at some place.
     Source: kinematic transmission error, e.g. Tuttle and Seering, IEEE Trans. Robotics and
     Automation 12(3) (1996) 368.
     """
@@ -143,7 +144,8 @@ class TransmissionRipple(Term):
     def slight(self, values: np.ndarray, around: Surroundings) -> bool:
         if self.form != TWO:
             return False
-        return abs(1.0 / values[1] - 1.0 / values[4]) * around.drive_span < APART
+        first, other = around.drive_span / values[[1, 4]]
+        return bool(min(first, other, abs(first - other)) < APART)
 
     def retold(self, starts: np.ndarray) -> np.ndarray:
         """Of two waves the long one may be the second harmonic of a longer one still."""

@@ -19,9 +19,9 @@ def test_two_waves_add_up():
     np.testing.assert_allclose(out - DRIVE, first + other, atol=1e-9)
 
 
-def test_two_waves_that_hardly_fall_out_of_step_are_one_that_swells():
+def test_two_waves_that_hardly_fall_out_of_step_and_one_that_hardly_comes_again_are_no_two():
     around = Surroundings(drive_span=100.0)
-    for period, slight in ((9.0, True), (7.5, False), (37.0, True)):
+    for period, slight in ((9.0, True), (7.5, False), (37.0, True), (70.0, True)):
         values = np.array([2.0, 9.3 if period < 30.0 else 30.0, 1.1, 0.7, period, 4.0])
         assert TWO.slight(values, around) == slight
 
