@@ -25,13 +25,13 @@ class Drift(Term):
     place = 230.0
     adds = True
     slow = True
-    evolves = True
     grows: ClassVar = {"linear": ("quadratic",)}
     means = "the zero wanders with time or from cycle to cycle"
     says = "The zero wanders while it runs."
 
     def __init__(self, form: str = "linear") -> None:
         self.form = form
+        self.evolves = form != "quadratic"  # which runs away where it ends as another course does
         self.unlikely = 6.0 if form == "wave" else 0.0  # it follows what jitters by cycle, too
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:

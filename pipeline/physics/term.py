@@ -144,7 +144,7 @@ class Term:
     in_balance: bool = False
     holds: ClassVar[bool] = False
     slow: ClassVar[bool] = False
-    evolves: ClassVar[bool] = False
+    evolves: bool = False
     mistaken_for: str = ""
     unlikely: float = 0.0
     beyond: str = ""

@@ -60,7 +60,7 @@ def in_course(fit: Fit, terms: Iterable[Term]) -> Fit:
     for i, piece in enumerate(fit.pieces):
         if piece.term.evolves:
             forms = differing(with_richer(t for t in terms if t.name == piece.term.name), fit)
-            others = (reformed(fit, i, t) for t in forms if t.form != piece.term.form)
+            others = (reformed(fit, i, t) for t in forms if t.evolves and t.form != piece.term.form)
             fit = min([fit, *others], key=lambda f: f.cost + complexity(f))
     return fit
 

@@ -12,6 +12,7 @@ from pipeline.physics.response_lag import ResponseLag
 
 SWINGING = ResponseLag("second")
 BEGUN = 4
+RESOLVED = 2.0  # times the finest step that the numbers tell apart
 
 
 def swinging(search: Search, choices: list[Choice]) -> list[Choice]:
@@ -24,7 +25,8 @@ def swinging(search: Search, choices: list[Choice]) -> list[Choice]:
     """
     best, known = choices[0], any(t.name == SWINGING.name for t in search.terms)
     lagging = any(p.term.group == SWINGING.group for p in best.fit.pieces)
-    if not known or lagging or not refuted(search, best):
+    resolved = best.fit.ground.noise.deviation > RESOLVED * search.family.prior.finest
+    if not (known and resolved and refuted(search, best)) or lagging:
         return choices
     behind = late(best.fit)
     rest = tuple(p for p in best.fit.pieces if not any(p is q for q in behind))
