@@ -110,9 +110,9 @@ def joint_deg(plant: Plant, motion: Motion) -> np.ndarray:
     slip = plant.slip_deg * (np.arange(len(shaft)) >= skip + plant.slip_sample)
     uneven = np.array([getattr(plant, name) for name in gear.GEAR])
     even = uneven * (np.arange(len(uneven)) != gear.AMPLITUDE)
-    turned = shaft if plant.slip_on_drum else shaft + slip
-    if not plant.mesh_on_drum:
-        turned = turned + gear.error_deg(turned, uneven)
+    at_motor, on_drum = (even, uneven) if plant.mesh_on_drum else (uneven, even)
+    turned = shaft + slip * (not plant.slip_on_drum)
+    turned = turned + gear.error_deg(turned, at_motor)
     yaw = np.concatenate([np.zeros(skip), motion.yaw_deg])
     outer = 2 * WIRE_STIFFNESS * (plant.other_lever * yaw + plant.other_lever_even * yaw**2 / 40.0)
     interval = np.diff(motion.time_s, prepend=motion.time_s[0] - FIRST_INTERVAL_S)
@@ -124,9 +124,8 @@ def joint_deg(plant: Plant, motion: Motion) -> np.ndarray:
          plant.wear_onset_deg]
     )  # fmt: skip
     path = joint_path(
-        turned, slip * plant.slip_on_drum, uneven if plant.mesh_on_drum else even, outer, interval,
-        MOVE_S, _constants(plant), clearance, reach, stiffness, dashpot_k, dashpot_s,
-        plant.viscosity_s,
+        turned, slip * plant.slip_on_drum, on_drum, outer, interval, MOVE_S, _constants(plant),
+        clearance, reach, stiffness, dashpot_k, dashpot_s, plant.viscosity_s,
     )  # fmt: skip
     return np.asarray(path[skip:])
 

@@ -42,7 +42,6 @@ class RecurringSlip(Term):
     place = LostSteps().place
     before_curve = True
     slow = True
-    evolves = True
     unlikely = LostSteps.unlikely
     says = "The shaft slips by {jump} in every cycle as it turns, from {time} on."
 

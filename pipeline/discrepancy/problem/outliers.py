@@ -74,11 +74,11 @@ def longest_burst(cycle: np.ndarray) -> int:
 def runs_off(values: np.ndarray, train: np.ndarray, finest: float, length: int) -> np.ndarray:
     """Mask (m,) of values (m,) in runs of one length that are a burst, see `bursts`."""
     out = np.zeros(len(values), dtype=bool)
-    _, apart = off_both_sides(values, length - 1)
-    scale = max(robust_deviation(apart[:, train].ravel()), finest)
+    distance = off_both_sides(values, length - 1)[1]
+    scale = max(robust_deviation(distance[:, train].ravel()), finest)
     step = np.abs(np.diff(values))
-    sudden = (step > SUDDEN * ISOLATED * scale)[NEIGHBOURS - 1 : len(step) - NEIGHBOURS + 1]
-    first = np.flatnonzero(sudden[:-length] & sudden[length:]) + NEIGHBOURS
+    leaps = (step > SUDDEN * ISOLATED * scale)[NEIGHBOURS - 1 : len(step) - NEIGHBOURS + 1]
+    first = np.flatnonzero(leaps[:-length] & leaps[length:]) + NEIGHBOURS
     if not len(first):
         return out
     beside = np.arange(NEIGHBOURS)

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.ndimage import median_filter
 from scipy.special import ndtr
 
 APART_DEVIATIONS = 7.0
@@ -51,8 +52,7 @@ def off_both_sides(values: np.ndarray, gap: int) -> tuple[np.ndarray, np.ndarray
     nearer side counts, and 0 where one is above and one below.
     """
     around = np.pad(values, gap + NEIGHBOURS, mode="reflect")
-    one, two, three = around[:-2], around[1:-1], around[2:]
-    middle = np.maximum(np.minimum(one, two), np.minimum(np.maximum(one, two), three))
+    middle = median_filter(around, NEIGHBOURS)[NEIGHBOURS // 2 : -(NEIGHBOURS // 2)]
     sides = values - np.stack([middle[: len(values)], middle[len(middle) - len(values) :]])
     nearer = np.where(np.abs(sides[0]) < np.abs(sides[1]), sides[0], sides[1])
     return np.where(sides[0] * sides[1] > 0, nearer, 0.0), sides
