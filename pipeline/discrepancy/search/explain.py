@@ -39,8 +39,8 @@ from pipeline.discrepancy.search.foretold import foretelling
 from pipeline.discrepancy.search.polish import polished
 from pipeline.discrepancy.search.pressed import pressed
 from pipeline.discrepancy.search.refuted import refuted
-from pipeline.discrepancy.search.sprung import sprung
 from pipeline.discrepancy.search.second_order import swinging
+from pipeline.discrepancy.search.sprung import sprung
 
 TURNS, STANDING, SETTLED = 4, 1.0, 3
 JUDGED_GAP = 25.0
