@@ -3,16 +3,37 @@
 from typing import ClassVar
 
 import numpy as np
+from numba import njit
 
 from pipeline.number_words import worded
 from pipeline.physics.gravity import Gravity
 from pipeline.physics.motion import Motion
+from pipeline.physics.tabled import waved
 from pipeline.physics.term import NO_STATE, Parameter, Surroundings
 
 TURNED = "/turned"
 FARTHEST = 0.5 * np.pi
 USUAL = 0.7
-SWEEPS = 6
+SWEEPS, PRECISE = 12, 1e-9
+
+
+@njit(cache=True, fastmath=True, error_model="numpy")
+def hung(asked: np.ndarray, weight: np.ndarray, zero: float, radian: float) -> np.ndarray:
+    """theta of theta + weight sin(theta / radian - zero) = asked, (n,) each, by Newton's method.
+
+    After a move its error is no more than half the weight over a radian, times the move squared.
+    """
+    out = np.empty(asked.size)
+    for t in range(asked.size):
+        at = asked[t]
+        for _ in range(SWEEPS):
+            sine, cosine = waved(at / radian - zero)
+            move = (asked[t] - at - weight[t] * sine) / (1.0 + weight[t] / radian * cosine)
+            at += move
+            if move * move < PRECISE * radian * radian:
+                break
+        out[t] = at
+    return out
 
 
 class TurnedGravity(Gravity):
@@ -53,12 +74,7 @@ class TurnedGravity(Gravity):
         left = weight * np.cos(
             turn * (motion.others[self.channel] - motion.zeros.get(self.channel, 0.0))
         )
-        asked = signal - weight * np.sin(zero)
-        out = signal
-        for _ in range(SWEEPS):
-            off = out / motion.radian - zero
-            missing = asked - out - left * np.sin(off)
-            out = out + missing / (1.0 + left / motion.radian * np.cos(off))
+        out = hung(signal - weight * np.sin(zero), left, float(zero), motion.radian)
         return out, NO_STATE
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
