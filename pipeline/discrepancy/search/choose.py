@@ -34,7 +34,7 @@ BRANCHES = 7
 MOST_TERMS = 4
 LEAST_GAIN = 6.0
 TIE, RIVAL_GAP = 9.0, 14.0
-SAME = 1.0
+SAME, CAUGHT_UP = 1.0, 0.3
 EARLIER = 6
 LAGGARD, CLEAR, HOPELESS = 0.3, 60.0, 0.1
 FAINT, BEHIND = 15.0, 0.5
@@ -57,7 +57,8 @@ class Choice:
 class Search:
     """What a search needs: the terms that the recording can show and the noises to choose from.
 
-    vain: scores of choices for which a set of forms was tried in vain. seen: the best choice of
+    vain: scores of choices for which a set of forms was tried in vain, and by how much it was
+    behind. seen: the best choice of
     each set of names that was weighed, taken or not. wide: whether what gains much less than the
     best at first is followed, too. quick: whether leads are taken as they come: of a beam's many
     sets few are followed, and what none of their bounds allows is left to the polish to find out.
@@ -66,7 +67,7 @@ class Search:
     terms: tuple[Term, ...]
     effects: Effects
     family: NoiseFamily
-    vain: dict[Key, float] = field(default_factory=dict)
+    vain: dict[Key, tuple[float, float]] = field(default_factory=dict)
     seen: dict[frozenset[str], Choice] = field(default_factory=dict)
     wide: bool = False
     quick: bool = False
@@ -77,8 +78,12 @@ class Search:
         return np.inf if self.wide else CLEAR
 
     def tried_in_vain(self, key: Key, choice: Choice) -> bool:
-        """Whether the terms and forms of `key` were tried in vain in place of such a choice."""
-        return abs(self.vain.get(key, np.inf) - choice.score) < SAME
+        """Whether the terms and forms of `key` were tried in vain in place of such a choice.
+
+        A choice that has moved since by much less than they were behind is still such a one.
+        """
+        score, behind = self.vain.get(key, (np.inf, 0.0))
+        return abs(score - choice.score) < max(SAME, CAUGHT_UP * behind)
 
     def weighed(self, fit: Fit, place: Place, iterations: int = 4) -> Choice:
         """A fit under the noise that suits its own residual, refitted there, and its score.
@@ -362,11 +367,14 @@ def grown(search: Search, choice: Choice, but: Container[str] = ()) -> Choice:
             if not term.excited(problem.motion, problem.around):
                 continue
             fit = reformed(begun if term.scanned else choice.fit, i, term)
-            trial = search.weighed(fit, choice.place) if fit.cost < choice.fit.cost else choice
+            trial, behind = choice, max(complexity(fit) - complexity(choice.fit), 0.0)
+            if fit.cost < choice.fit.cost:
+                trial = search.weighed(fit, choice.place)
+                behind = trial.score - choice.score
             if trial.score < choice.score:
                 choice = trial
             else:
-                search.vain[key] = choice.score
+                search.vain[key] = choice.score, behind
     return choice
 
 
@@ -383,7 +391,7 @@ def simpler(search: Search, choice: Choice) -> Choice:
             trial = search.weighed(reformed(choice.fit, i, term), choice.place)
             if trial.score < choice.score:
                 return simpler(search, trial)
-            search.vain[key] = choice.score
+            search.vain[key] = choice.score, trial.score - choice.score
     return choice
 
 

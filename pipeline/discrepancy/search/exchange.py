@@ -19,7 +19,7 @@ def exchanged(search: Search, choice: Choice) -> Choice:
                 trial = begun_from(search, choice, starts)
                 if trial.score < choice.score:
                     return exchanged(search, trial)
-                search.vain[key] = choice.score
+                search.vain[key] = choice.score, trial.score - choice.score
     return choice
 
 

@@ -102,7 +102,7 @@ def sheathed(search: Search, choice: Choice) -> Choice:
             trial = search.weighed(reformed(choice.fit, i, SHEATH), choice.place)
             if trial.score < choice.score:
                 return trial
-            search.vain[key] = choice.score
+            search.vain[key] = choice.score, trial.score - choice.score
     return choice
 
 

@@ -3,6 +3,7 @@
 from pipeline.discrepancy.fitting.fit import evaluate, improve
 from pipeline.discrepancy.search.choose import (
     MOST_TERMS,
+    SAME,
     Choice,
     Search,
     best_of_each,
@@ -62,13 +63,14 @@ def _polished(search: Search, choices: list[Choice]) -> list[Choice]:
             for child in extended(search, without, 5, begun=[unmoved]):
                 if child.fit.key not in found or child.score < found[child.fit.key].score:
                     found[child.fit.key] = child
-        if min(found.values(), key=lambda c: c.score) is best:
+        if best.score - (best := min(found.values(), key=lambda c: c.score)).score < SAME:
             moves = (unpromised, stepped, recurved)
             further = [*(move(search, best) for move in moves), *furthered(search, best)]
             more = min(further, key=lambda c: c.score)
-            if more.score >= best.score:
+            if more.score < best.score:
+                found[more.fit.key] = more
+            if more.score > best.score - SAME:
                 break
-            found[more.fit.key] = more
     else:
         fewest = thinned(search, min(found.values(), key=lambda c: c.score))
         found[fewest.fit.key] = fewest
