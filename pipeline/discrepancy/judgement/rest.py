@@ -12,11 +12,11 @@ from pipeline.discrepancy.noise.learning import NoisePrior
 from pipeline.discrepancy.noise.noise import NoiseModel
 from pipeline.discrepancy.problem.problem import Problem
 from pipeline.discrepancy.search.choose import Choice
+from pipeline.discrepancy.search.refuted import in_common
 from pipeline.recording import branch_of, reversals_of
 
 FINE, COARSE, TRAVELS = 24, 5, 12
 STIFFENING = 1e-3
-FEWEST_AGAIN = 2
 UNIFORM, HUMPS = 1.8, 4.0
 
 
@@ -60,22 +60,11 @@ def structured_rest(choice: Choice, family: NoiseFamily) -> list[Rest]:
 def repeated_rest(choice: Choice, prior: NoisePrior) -> Rest:
     """What cycles that repeat have in common at each step in a choice's residual, of any shape.
 
-    Their innovations' mean over the repeats of a step, against what is different between them: the
-    test of lack of fit by pure error (Draper and Smith, Applied Regression Analysis, section 2.1).
     It needs no curves and finds what is finer than theirs.
     """
-    ground = choice.fit.ground
-    found = np.full(len(ground.used), np.nan)
-    found[ground.used] = choice.fit.innovations
-    gain, freedom, count = 0.0, 0, 0
-    for rows in prior.groups:
-        values = np.where(rows >= 0, found[rows], np.nan)
-        repeats = np.isfinite(values).sum(axis=0)
-        again = repeats >= FEWEST_AGAIN
-        gain += float(np.sum(repeats[again] * np.nanmean(values[:, again], axis=0) ** 2))
-        freedom += int(again.sum())
-        count += int(repeats[again].sum())
-    size = ground.noise.deviation * float(np.sqrt(max(gain - freedom, 0.0) / max(count, 1)))
+    gain, freedom, count = in_common(choice, prior)
+    excess = max(gain - freedom, 0.0) / max(count, 1)
+    size = choice.fit.ground.noise.deviation * float(np.sqrt(excess))
     return Rest("each cycle alike", gain, freedom, float(chdtrc(max(freedom, 1), gain)), size)
 
 

@@ -1,10 +1,14 @@
-"""Explanations whose noise repeated cycles speak against."""
+"""Explanations that repeated cycles speak against."""
 
 import numpy as np
+from scipy.special import chdtrc
 
+from pipeline.discrepancy.noise.learning import NoisePrior
 from pipeline.discrepancy.search.choose import Choice, Search
 
 SURELY = 3.0
+FEWEST_AGAIN = 2
+COMMON = 1e-5
 
 
 def refuted(search: Search, choice: Choice) -> bool:
@@ -13,3 +17,30 @@ def refuted(search: Search, choice: Choice) -> bool:
     prior, deviation = family.prior, choice.fit.ground.noise.deviation
     larger = np.log(deviation / prior.model.deviation) > SURELY * prior.sure
     return prior.repeats > 0 and bool(family.strained(choice.place) > SURELY**2 or larger)
+
+
+def misfits(search: Search, choice: Choice) -> bool:
+    """Whether a choice leaves what cycles that repeat surely have in common."""
+    gain, freedom, _ = in_common(choice, search.family.prior)
+    return bool(chdtrc(max(freedom, 1), gain) < COMMON)
+
+
+def in_common(choice: Choice, prior: NoisePrior) -> tuple[float, int, int]:
+    """Squares that cycles that repeat have in common in a choice's innovations, steps, and samples.
+
+    Of the steps that are repeated their innovations' mean, against what is different between them:
+    the test of lack of fit by pure error (Draper and Smith, Applied Regression Analysis, section
+    2.1). Of noise alone the squares are chi-square with as many degrees of freedom as steps.
+    """
+    ground = choice.fit.ground
+    found = np.full(len(ground.used), np.nan)
+    found[ground.used] = choice.fit.innovations
+    gain, freedom, count = 0.0, 0, 0
+    for rows in prior.groups:
+        values = np.where(rows >= 0, found[rows], np.nan)
+        repeats = np.isfinite(values).sum(axis=0)
+        again = repeats >= FEWEST_AGAIN
+        gain += float(np.sum(repeats[again] * np.nanmean(values[:, again], axis=0) ** 2))
+        freedom += int(again.sum())
+        count += int(repeats[again].sum())
+    return gain, freedom, count

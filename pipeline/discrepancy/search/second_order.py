@@ -6,7 +6,7 @@ from pipeline.discrepancy.fitting.fit import Fit, Ground, evaluate, improve
 from pipeline.discrepancy.fitting.screen import late
 from pipeline.discrepancy.search.choose import MOST_TERMS, Choice, Search, best_of_each, extended
 from pipeline.discrepancy.search.polish import polished
-from pipeline.discrepancy.search.refuted import refuted
+from pipeline.discrepancy.search.refuted import misfits, refuted
 from pipeline.physics.mechanism import Piece
 from pipeline.physics.response_lag import ResponseLag
 
@@ -18,6 +18,8 @@ RESOLVED = 2.0  # times the finest step that the numbers tell apart
 def swinging(search: Search, choices: list[Choice]) -> list[Choice]:
     """The choices (best first), with a lag of second order where noise can't be what is left.
 
+    Nor where that walks beside what was named, for it takes the swings as readily as a drift, nor
+    where cycles have something of it in common.
     At a steady pace what swings is ahead of its command or behind it by about as much all the time:
     play comes near the one, nothing without inertia the other. So no first-order lag is on the way,
     and what was added beside play to mop up the rest is polished away. The lag takes the place of
@@ -26,7 +28,7 @@ def swinging(search: Search, choices: list[Choice]) -> list[Choice]:
     best, known = choices[0], any(t.name == SWINGING.name for t in search.terms)
     lagging = any(p.term.group == SWINGING.group for p in best.fit.pieces)
     resolved = best.fit.ground.noise.deviation > RESOLVED * search.family.prior.finest
-    if not (known and resolved and refuted(search, best)) or lagging:
+    if not (known and resolved and unsure(search, best)) or lagging:
         return choices
     behind = late(best.fit)
     rest = tuple(p for p in best.fit.pieces if not any(p is q for q in behind))
@@ -35,9 +37,15 @@ def swinging(search: Search, choices: list[Choice]) -> list[Choice]:
         found = [swung, *extended(search, swung)] if len(beside) < MOST_TERMS else [swung]
         if min(c.score for c in found) < choices[0].score:
             choices = polished(search, best_of_each([*found, *choices]))
-        if not refuted(search, choices[0]):
+        if not (refuted(search, choices[0]) or misfits(search, choices[0])):
             break
     return choices
+
+
+def unsure(search: Search, choice: Choice) -> bool:
+    """Whether what a choice leaves may be no noise."""
+    walks = bool(choice.fit.pieces) and choice.place[2] > 0
+    return walks or refuted(search, choice) or misfits(search, choice)
 
 
 def begun(ground: Ground, beside: Sequence[Piece]) -> Fit:
