@@ -214,6 +214,34 @@ def test_a_near_rival_is_weighed_in_the_form_that_suits_it():
     assert levelled(search, [late, replace(first, score=late.score + 100.0)])[0] is late
 
 
+def test_a_near_rival_is_weighed_beside_the_bend_that_suits_it():
+    stop = {"angle": -27.0, "softness": 0.3, "give": 0.02}
+    hidden = {"compliance": {}, "end_stop/lower": stop, "backlash": {"width": 3.0}}
+    found = explained(recorded(hidden, seed=5))
+    search, best = found.search, found.choices[0]
+    assert set(best.fit.names) == {"compliance", "end_stop", "backlash"}
+    touched = Piece(term("contact", "lower"), np.array([6.0, -24.5, 0.2]))
+    lens = Piece(term("lens_distortion", "second"), np.zeros(3))
+    begun = evaluate(best.fit.ground, (lens, touched, Piece(term("backlash"), np.array([3.0]))))
+    rival = search.weighed(improve(begun), best.place)
+    again = levelled(search, [best, replace(rival, score=best.score + 40.0)])
+    wanted = {"compliance", "contact", "backlash"}
+    assert min(c.score for c in again if set(c.fit.names) == wanted) < best.score + 30.0
+
+
+def test_a_form_tried_in_vain_is_tried_again_once_a_choice_has_moved_far():
+    found = explained(recorded({"backlash": {"width": 3.0}}))
+    search, choice = replace(found.search, vain={}), found.choices[0]
+    key = frozenset([("friction", "symmetric")])
+    search.vain[key] = choice.score, 30.0
+    assert search.tried_in_vain(key, choice)
+    assert search.tried_in_vain(key, replace(choice, score=choice.score - 8.0))
+    assert not search.tried_in_vain(key, replace(choice, score=choice.score - 12.0))
+    search.vain[key] = choice.score, 1.0
+    assert search.tried_in_vain(key, replace(choice, score=choice.score - 0.9))
+    assert not search.tried_in_vain(key, replace(choice, score=choice.score - 1.1))
+
+
 def test_what_was_weighed_on_the_way_stands_among_the_choices():
     """A lag is weighed in place of a late frame, beside the slack; no search keeps it."""
     slack = {"width": 6.0, "rounding": 0.3, "stiffness": 0.1}

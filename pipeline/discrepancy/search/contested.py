@@ -1,6 +1,6 @@
 """Contested names: what comes near the best explanation gets a search of its own."""
 
-from collections.abc import Sequence
+from collections.abc import Sequence, Set
 from dataclasses import replace
 
 from pipeline.discrepancy.fitting.fit import evaluate, improve
@@ -53,19 +53,21 @@ def levelled(search: Search, choices: Sequence[Choice]) -> list[Choice]:
 
     A search grows the forms of what is best on its way: a rival that was left with plainer ones
     looks worse than its name is, and so does one grown beside fewer. It takes over the forms of the
-    names that both have; its own name is made plain, or grown. What is slow is left as it is:
-    enough slips follow any drift.
+    names that both have, or the other bend of a static curve; its own name is made plain, or grown.
+    What is slow is left as it is: enough slips follow any drift.
     """
     best, found = choices[0], list(choices)
     near = [c for c in by_names(list(choices)) if c.score < best.score + FAR]
-    near = [c for c in near if len(names(c) ^ names(best)) == 2]
+    near = [c for c in near if len(bent(names(c)) ^ bent(names(best))) == 2]
     for rival in [c for c in near if c.fit.slow <= names(best)][:MOST]:
-        shared = [p for p in best.fit.pieces if p.term.name in names(rival)]
-        own = [p for p in rival.fit.pieces if p.term.name not in names(best)]
+        shared = [p for p in best.fit.pieces if bent({p.term.name}) <= bent(names(rival))]
+        own = [p for p in rival.fit.pieces if not bent({p.term.name}) <= bent(names(best))]
         taken = evaluate(best.fit.ground, (*shared, *own))
         if taken.key != rival.fit.key:
             taken_over = search.weighed(improve(taken), best.place)
             rival = min(rival, taken_over, key=lambda c: c.score)
+        if not names(rival) & BENDS <= names(best):
+            rival = recurved(search, rival)
         found.append(grown(search, simpler(search, rival), but=names(best)))
     return best_of_each(found)
 
@@ -78,7 +80,7 @@ def rival_names(choices: Sequence[Choice]) -> list[frozenset[str]]:
     best = choices[0]
     if len(names(best)) < 2:
         return []
-    out: dict[frozenset[str], frozenset[str]] = {}
+    out: dict[Set[str], frozenset[str]] = {}
     for choice in choices:
         near = choice.fit.pieces and choice.score < best.score + RIVAL_GAP
         if near and not bent(names(best)) <= bent(names(choice)) | plain(choice):
@@ -86,6 +88,6 @@ def rival_names(choices: Sequence[Choice]) -> list[frozenset[str]]:
     return list(out.values())
 
 
-def bent(found: frozenset[str]) -> frozenset[str]:
+def bent(found: Set[str]) -> Set[str]:
     """Names, those of what bends one static curve under one."""
-    return found if found.isdisjoint(BENDS) else (found - BENDS) | {"bend"}
+    return found if BENDS.isdisjoint(found) else (found - BENDS) | {"bend"}
