@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from pipeline.discrepancy.judgement.structure import JERKS, SWINGS
-from pipeline.physics.backlash import play, varying_play
 from pipeline.physics.kinematics import CubicCurve
+from pipeline.physics.play_operator import play, varying_play
 from pipeline.physics.worn_play import WornPlay
 from pipeline.recording import Recording
 from tests.discrepancy.made import ANGLE, NOISE, changed, diagnosed, names, recorded
