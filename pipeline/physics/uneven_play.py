@@ -3,6 +3,7 @@
 import numpy as np
 
 from pipeline.number_words import worded
+from pipeline.physics.force_units import FORCES, LENGTHS
 from pipeline.physics.motion import Motion
 from pipeline.physics.play_operator import varying_play
 from pipeline.physics.term import Parameter, Surroundings, Term
@@ -79,6 +80,12 @@ class UnevenPlay(Term):
                 for w in widths for unworn in UNWORN for place in PLACES for reach in REACHES
             ]
         )  # fmt: skip
+
+    def excited(self, motion: Motion, around: Surroundings) -> bool:
+        """No taper where a wire's pull or way goes in and comes out: that is its sheath's share."""
+        units = around.drive_unit, around.angle_unit
+        wire = any(kind.issuperset(units) for kind in (FORCES, LENGTHS))
+        return around.drive_span > 0.0 and not (wire and self.form == TAPERED)
 
     def sentence(self, values: np.ndarray, around: Surroundings) -> str:
         unit, span = around.drive_unit, around.drive_span

@@ -26,6 +26,7 @@ def played(search: Search, choice: Choice) -> Choice:
     found, ground = choice, choice.fit.ground
     motion, around = ground.problem.motion, ground.problem.around
     behind = late(choice.fit)
+    forms = [f for f in map(UnevenPlay, FORMS) if f.excited(motion, around)]
     suspects = [p for p in choice.fit.pieces if any(p is q for q in behind) or curves(p.term)]
     for gone in (*combinations(suspects, 1), *combinations(suspects, 2)):
         rest = [p for p in choice.fit.pieces if not any(p is q for q in gone)]
@@ -34,7 +35,7 @@ def played(search: Search, choice: Choice) -> Choice:
         starts = [Piece(PLAY, v) for v in PLAY.candidates(motion, around)]
         plain = min((evaluate(ground, [*rest, s]) for s in starts), key=lambda f: f.cost)
         plain = improve(plain, BEGUN)
-        trials = [reformed(plain, len(rest), UnevenPlay(form)) for form in FORMS]
+        trials = [reformed(plain, len(rest), form) for form in forms]
         best = min(trials, key=lambda t: search.hoped(t, choice.place))
         if choice.score - search.hoped(best, choice.place) > -FAINT:
             found = min(found, search.weighed(best, choice.place), key=lambda c: c.score)
