@@ -10,6 +10,7 @@ from pipeline.physics.term import Parameter, Surroundings, Term
 
 TAPERED, WORN = "tapered", "worn round"
 FORMS = TAPERED, WORN
+LEAST_LEFT, FARTHEST = 0.2, 0.35
 TAPERS = (-0.6, -0.3, 0.3, 0.6)
 UNWORN, PLACES, REACHES = (0.3, 0.6), (0.3, 0.5, 0.7), (0.1, 0.2)
 
@@ -20,7 +21,8 @@ class UnevenPlay(Term):
     Form "tapered": w = width (1 + taper (u - middle) / far), from the middle of the drive's range
     to its end at `far`: a pulley or a gear out of centre meshes deeper on one side of home, a wire
     slackens the further it is paid out. Form "worn round": w = width (unworn + (1 - unworn)
-    exp(-((u - place) / reach)^2)), as teeth wear round where they are used most.
+    exp(-((u - place) / reach)^2)), as teeth wear round where they are used most: never without play
+    elsewhere, which would be a joint that snaps over there, nor over most of the range.
     It starts in the middle of its gap. Sources: the play operator with a width that changes,
     Krasnosel'skii and Pokrovskii, Systems with Hysteresis (1989), section 2; Archard, J. Appl.
     Phys. 24 (1953) 981 (wear in proportion to the way slid).
@@ -47,9 +49,9 @@ class UnevenPlay(Term):
         low, high = around.drive_low, around.drive_low + span
         return (
             width,
-            Parameter("unworn", "", 0.0, 1.0, 0.5, 0.3),
+            Parameter("unworn", "", LEAST_LEFT, 1.0, 0.5, 0.0),
             Parameter("place", unit, low, high, middle, 0.2 * span),
-            Parameter("reach", unit, 0.03 * span, 0.5 * span, 0.2 * span, 0.1 * span),
+            Parameter("reach", unit, 0.03 * span, FARTHEST * span, 0.2 * span, 0.1 * span),
         )
 
     def gap(self, drive: np.ndarray, values: np.ndarray) -> np.ndarray:
