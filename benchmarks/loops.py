@@ -15,10 +15,10 @@ from scipy.integrate import solve_ivp
 from scipy.signal import lfilter
 
 from pipeline.physics import balance as at_joint
-from pipeline.physics.backlash import play
 from pipeline.physics.catalogue import term
 from pipeline.physics.mechanism import Mechanism, Piece
 from pipeline.physics.motion import Motion
+from pipeline.physics.play_operator import play
 from pipeline.physics.response_lag import swung
 
 SAMPLES, CYCLES, ROUNDS = 1800, 9, 200

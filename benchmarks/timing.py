@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 import numpy as np
 import pandas as pd
 
-from pipeline.physics.backlash import play
+from pipeline.physics.play_operator import play
 from pipeline.recording import Channel, Recording
 
 ROUNDS = 7

@@ -17,7 +17,7 @@ from sklearn.linear_model import LinearRegression, Ridge
 from sklearn.pipeline import make_pipeline
 from sklearn.preprocessing import PolynomialFeatures, StandardScaler
 
-from pipeline.physics.backlash import play
+from pipeline.physics.play_operator import play
 
 PLAY_SHARES = np.concatenate([[0.0], np.geomspace(0.002, 0.6, 40)])
 BANK_SHARES = np.concatenate([[0.0], np.geomspace(0.01, 0.7, 14)])

@@ -1,40 +1,16 @@
 """Play: lost motion with sharp corners after each reversal."""
 
 import numpy as np
-from numba import njit
 
 from pipeline.physics.coasting_play import CoastingPlay
 from pipeline.physics.motion import Motion
+from pipeline.physics.play_operator import play
 from pipeline.physics.term import Parameter, Surroundings, Term
 from pipeline.physics.transmission_ripple import TransmissionRipple
+from pipeline.physics.uneven_play import FORMS, UnevenPlay
 
 AHEAD = "ahead of ripple"
 BEFORE_RIPPLE = TransmissionRipple.place - 5.0
-
-
-@njit(cache=True)
-def play(drive: np.ndarray, half_width: float, start: float) -> np.ndarray:
-    """The play operator: the output moves only when it is pushed by an end of the gap."""
-    out = np.empty(drive.size)
-    at = start
-    for i in range(drive.size):
-        if drive[i] - half_width > at:
-            at = drive[i] - half_width
-        elif drive[i] + half_width < at:
-            at = drive[i] + half_width
-        out[i] = at
-    return out
-
-
-@njit(cache=True)
-def varying_play(drive, half_width, at):  # type: ignore[no-untyped-def]
-    """The play operator, (n,), with a gap of its own for each sample."""
-    out = np.empty(drive.size)
-    for i in range(drive.size):
-        half = half_width[i]
-        at = max(at, drive[i] - half) if drive[i] - half > at else min(at, drive[i] + half)
-        out[i] = at
-    return out
 
 
 class Backlash(Term):
@@ -71,7 +47,7 @@ class Backlash(Term):
         return () if self.only_beside else (Backlash(AHEAD),)
 
     def richer(self) -> tuple[Term, ...]:
-        return () if self.only_beside else (CoastingPlay(),)
+        return () if self.only_beside else (CoastingPlay(), *map(UnevenPlay, FORMS))
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
         span = around.drive_span

@@ -5,9 +5,9 @@ from typing import ClassVar, Protocol
 
 import numpy as np
 
-from pipeline.physics.backlash import play
 from pipeline.physics.held import STEP_AND_WAIT_S, dwells, trailed
 from pipeline.physics.motion import Motion
+from pipeline.physics.play_operator import play
 from pipeline.physics.term import Parameter, Surroundings
 
 MOST_OF_LEVER = 0.9

@@ -6,9 +6,10 @@ import numpy as np
 from numba import njit
 
 from pipeline.number_words import worded
-from pipeline.physics.backlash import AHEAD, BEFORE_RIPPLE, Backlash, varying_play
+from pipeline.physics.backlash import AHEAD, BEFORE_RIPPLE, Backlash
 from pipeline.physics.friction import Friction
 from pipeline.physics.motion import Motion
+from pipeline.physics.play_operator import varying_play
 from pipeline.physics.pre_sliding import bristled
 from pipeline.physics.term import Parameter, Shown, Surroundings, Term
 from pipeline.physics.transmission_ripple import TransmissionRipple

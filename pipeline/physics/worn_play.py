@@ -3,8 +3,9 @@
 import numpy as np
 
 from pipeline.number_words import worded
-from pipeline.physics.backlash import Backlash, varying_play
+from pipeline.physics.backlash import Backlash
 from pipeline.physics.motion import Motion
+from pipeline.physics.play_operator import varying_play
 from pipeline.physics.term import Parameter, Surroundings, Term
 
 PLACES = 9

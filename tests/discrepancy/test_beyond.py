@@ -4,14 +4,14 @@ import numpy as np
 import pytest
 
 from pipeline.discrepancy.judgement.structure import JERKS, SWINGS
-from pipeline.physics.backlash import play, varying_play
 from pipeline.physics.kinematics import CubicCurve
+from pipeline.physics.play_operator import play, varying_play
 from pipeline.physics.worn_play import WornPlay
 from pipeline.recording import Recording
 from tests.discrepancy.made import ANGLE, NOISE, changed, diagnosed, names, recorded
 
 SHAPES = {
-    "wide in the middle": lambda u: 6.0 * np.cos(np.pi * u / 110.0) ** 4,
+    "wide at two places": lambda u: 1.5 + 4.0 * np.exp(-(((np.abs(u) - 28.0) / 10.0) ** 2)),
     "wide at one end": lambda u: 1.0 + 5.0 * ((u + 55.0) / 110.0) ** 4,
     "wide beyond an edge": lambda u: 1.0 + 5.0 / (1.0 + np.exp(-(u - 10.0) / 6.0)),
 }

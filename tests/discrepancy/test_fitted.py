@@ -8,7 +8,7 @@ import pytest
 
 from pipeline.config import DiagnosisConfig, ToleranceConfig
 from pipeline.discrepancy.problem.fitted import tolerance_of_fit
-from pipeline.physics.backlash import play
+from pipeline.physics.play_operator import play
 from pipeline.physics.pre_sliding import dragging
 from pipeline.recording import Channel, Recording, with_context
 from pipeline.stages.diagnosis import diagnose

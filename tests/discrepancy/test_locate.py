@@ -14,8 +14,8 @@ from pipeline.discrepancy.location.locate import (
     order_p_value,
     parts_of,
 )
-from pipeline.physics.backlash import play
 from pipeline.physics.motion import Motion
+from pipeline.physics.play_operator import play
 from pipeline.recording import branch_of
 
 DWELL_S = 3.36

@@ -9,8 +9,9 @@ from pipeline.config import DiagnosisConfig
 from pipeline.discrepancy.problem.counts import between_counts, quantum_of, smooth_motion
 from pipeline.discrepancy.problem.rough import behind_known_noise, noise_of_motion, unroughened
 from pipeline.discrepancy.problem.stale import hung_samples, stale_samples
-from pipeline.physics.backlash import Backlash, play
+from pipeline.physics.backlash import Backlash
 from pipeline.physics.motion import Motion
+from pipeline.physics.play_operator import play
 from pipeline.recording import Channel, Recording, with_context
 from pipeline.stages.diagnosis import diagnose, posed
 

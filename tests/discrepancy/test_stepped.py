@@ -8,7 +8,7 @@ from pipeline.discrepancy.search.choose import names
 from pipeline.discrepancy.search.stepped import stepped, two_steps
 from pipeline.physics.catalogue import term
 from pipeline.physics.mechanism import Piece
-from tests.discrepancy.made import explained, recorded
+from tests.discrepancy.made import ANGLE, changed, explained, recorded
 
 SLIPS = {"jump": 1.1, "time": 700.0, "jump_2": -1.0, "time_2": 1500.0}
 WALKING = (0, 0, 6)
@@ -49,6 +49,16 @@ def test_steps_lost_in_every_cycle_are_told_in_place_of_a_zero_that_walks(form, 
     assert names(best) == {"lost_steps"}
     assert best.fit.pieces[0].term.form == form
     assert best.fit.values[0] == pytest.approx(jump, rel=0.1)
+
+
+def test_steps_lost_in_every_cycle_are_told_beside_a_zero_that_jitters_too():
+    hidden = {"backlash": {"width": 2.0}, "lost_steps/every top": {"jump": 0.7, "time": 850.0}}
+    recording = recorded(hidden, cycles=9)
+    jitter = np.random.default_rng(5).normal(0.0, 0.1, 9)[recording.values("cycle").astype(int)]
+    jittering = changed(recording, **{ANGLE: recording.values(ANGLE) + jitter})
+    best = explained(jittering).choices[0]
+    assert names(best) == {"backlash", "lost_steps"}
+    assert "every top" in {p.term.form for p in best.fit.pieces}
 
 
 @pytest.mark.parametrize("seed", [6, 7])

@@ -12,7 +12,7 @@ from pipeline.models.baselines import (
     prandtl_ishlinskii_and_time,
     strongest_first,
 )
-from pipeline.physics.backlash import play
+from pipeline.physics.play_operator import play
 
 N = 600
 TIME = np.arange(N) / 20.0

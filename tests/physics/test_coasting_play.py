@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from pipeline.physics.backlash import play
 from pipeline.physics.catalogue import term
 from pipeline.physics.motion import Motion
+from pipeline.physics.play_operator import play
 from pipeline.physics.term import Surroundings
 
 WIDTH, STEP_S = 2.0, 0.002

@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 
-from pipeline.physics.backlash import AHEAD, play
+from pipeline.physics.backlash import AHEAD
 from pipeline.physics.catalogue import term, terms, with_richer
 from pipeline.physics.lost_steps import BEHIND
 from pipeline.physics.mechanism import Mechanism, Piece
+from pipeline.physics.play_operator import play
 from pipeline.physics.term import Surroundings
 from pipeline.physics.transmission_ripple import rippled
 from tests.discrepancy.made import motion_of

@@ -26,10 +26,10 @@ from pipeline.discrepancy.model.result import (
     Unexplained,
 )
 from pipeline.discrepancy.noise.noise import NoiseModel
-from pipeline.physics.backlash import play
 from pipeline.physics.catalogue import FORCES, MEANINGS
 from pipeline.physics.mechanism import Mechanism
 from pipeline.physics.motion import Motion
+from pipeline.physics.play_operator import play
 from pipeline.recording import Channel, Recording
 from pipeline.tracking.report import write_report
 from pipeline.tracking.report_words import (

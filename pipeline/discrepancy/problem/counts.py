@@ -7,9 +7,9 @@ from scipy.linalg import solveh_banded
 from scipy.optimize import minimize
 
 from pipeline.discrepancy.problem.beside import may_follow
-from pipeline.physics.backlash import play
 from pipeline.physics.kinematics import Curve, sampled_curve
 from pipeline.physics.motion import Motion
+from pipeline.physics.play_operator import play
 
 ON_GRID, FEWEST_LEVELS = 1e-3, 10
 OFTEN_EQUAL = 0.05

@@ -5,7 +5,7 @@ import numpy as np
 from pipeline.discrepancy.problem.beside import may_follow
 from pipeline.discrepancy.problem.counts import whittaker
 from pipeline.discrepancy.problem.outliers import robust_deviation
-from pipeline.physics.backlash import play
+from pipeline.physics.play_operator import play
 
 FEWEST = 100
 WHITE = 0.85

@@ -18,7 +18,8 @@ def stepped(search: Search, choice: Choice) -> Choice:
     """The choice with slips in place of a zero that walks or jitters much, if that is better.
 
     A slip that is taken back, or followed by others as large, is not half explained by one: no
-    single step leads to two, nor to one in every cycle.
+    single step leads to two, nor to one in every cycle. Beside slips a zero may still jitter: what
+    they promise is their gain on noise that does not.
     """
     _, jitter, walk = choice.place
     rest = [p for p in choice.fit.pieces if not p.term.slow]
@@ -33,7 +34,7 @@ def stepped(search: Search, choice: Choice) -> Choice:
     trials = [improve(evaluate(still.ground, [*still.pieces, s]), BEGUN) for s in slips]
     best = {t.key: t for t in sorted(trials, key=lambda t: -t.cost)}.values()
     fit = min((settle_moments(improve(t)) for t in best), key=lambda t: t.cost)
-    if search.hoped(fit, place) > choice.score + FAINT:
+    if search.hoped(fit, place) > search.hoped(still, place) - FAINT:
         return choice
     return min(choice, search.weighed(fit, place), key=lambda c: c.score)
 

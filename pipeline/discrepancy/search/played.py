@@ -1,0 +1,42 @@
+"""Uneven play at once: what a loop and a dent beside it may be instead."""
+
+from itertools import combinations
+
+from pipeline.discrepancy.fitting.fit import evaluate, improve
+from pipeline.discrepancy.fitting.reform import reformed
+from pipeline.discrepancy.fitting.screen import late
+from pipeline.discrepancy.search.choose import FAINT, Choice, Search, excludes
+from pipeline.discrepancy.search.moves import curves
+from pipeline.physics.backlash import Backlash
+from pipeline.physics.mechanism import Piece
+from pipeline.physics.uneven_play import FORMS, UnevenPlay
+
+PLAY = Backlash()
+BEGUN = 3
+
+
+def played(search: Search, choice: Choice) -> Choice:
+    """The choice with play whose width goes with the pose in place of one or two, if better.
+
+    Where play is wider round home, friction or a lag beside slack comes near it, or slack beside
+    friction that is there as well; play of one width is no step on the way from these to it.
+    """
+    if not any(t.name == PLAY.name for t in search.terms):
+        return choice
+    found, ground = choice, choice.fit.ground
+    motion, around = ground.problem.motion, ground.problem.around
+    behind = late(choice.fit)
+    forms = [f for f in map(UnevenPlay, FORMS) if f.excited(motion, around)]
+    suspects = [p for p in choice.fit.pieces if any(p is q for q in behind) or curves(p.term)]
+    for gone in (*combinations(suspects, 1), *combinations(suspects, 2)):
+        rest = [p for p in choice.fit.pieces if not any(p is q for q in gone)]
+        if any(excludes(PLAY, p.term) for p in rest):
+            continue
+        starts = [Piece(PLAY, v) for v in PLAY.candidates(motion, around)]
+        plain = min((evaluate(ground, [*rest, s]) for s in starts), key=lambda f: f.cost)
+        plain = improve(plain, BEGUN)
+        trials = [reformed(plain, len(rest), form) for form in forms]
+        best = min(trials, key=lambda t: search.hoped(t, choice.place))
+        if choice.score - search.hoped(best, choice.place) > -FAINT:
+            found = min(found, search.weighed(best, choice.place), key=lambda c: c.score)
+    return found
