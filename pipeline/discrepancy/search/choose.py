@@ -355,7 +355,8 @@ def grown(search: Search, choice: Choice, but: Container[str] = ()) -> Choice:
     problem = choice.fit.ground.problem
     for i, piece in enumerate(choice.fit.pieces):
         begun = choice.fit
-        for term in () if piece.term.name in but else richer(piece.term):
+        forms = () if piece.term.name in but else differing(richer(piece.term), begun)
+        for term in forms:
             key = choice.fit.key - {(piece.term.name, piece.term.form)} | {(term.name, term.form)}
             if search.tried_in_vain(key, choice):
                 continue
