@@ -355,8 +355,7 @@ def grown(search: Search, choice: Choice, but: Container[str] = ()) -> Choice:
     problem = choice.fit.ground.problem
     for i, piece in enumerate(choice.fit.pieces):
         begun = choice.fit
-        forms = () if piece.term.name in but else differing(richer(piece.term), begun)
-        for term in forms:
+        for term in () if piece.term.name in but else richer(piece.term):
             key = choice.fit.key - {(piece.term.name, piece.term.form)} | {(term.name, term.form)}
             if search.tried_in_vain(key, choice):
                 continue
