@@ -9,6 +9,7 @@ from pipeline.physics.balance import Load
 from pipeline.physics.held import STEP_AND_WAIT_S, dwells, trailed
 from pipeline.physics.motion import Motion
 from pipeline.physics.response_lag import ResponseLag
+from pipeline.physics.rising_creep import LARGEST, TIMES, RisingCreep
 from pipeline.physics.term import HELD, Parameter, Surroundings, Term, Told
 
 
@@ -51,6 +52,10 @@ class Creep(Term):
     @property
     def kin(self) -> str:
         return "one" if self.form in ("whole", "running") else self.form
+
+    def richer(self) -> tuple[Term, ...]:
+        plain = self.form in ("one", "whole", "running", "wire")
+        return (*super().richer(), RisingCreep()) if plain else super().richer()
 
     def elsewhere(self) -> tuple[Term, ...]:
         return (Creep("whole"),) if self.form == "one" else ()
@@ -102,7 +107,7 @@ class Creep(Term):
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
         dwell = max(around.dwell_s, 1e-9)
-        rows = [[0.05, k * dwell] for k in (0.6, 1.5, 4.0, 10.0, 25.0, 60.0)]
+        rows = [[0.05, k * dwell] for k in TIMES]
         if self.before_curve:
             rows = [[*r, moving, 0.0] for moving in (0.0, 1.0) for r in rows]
         if "two" in self.form:
@@ -133,7 +138,7 @@ class Creep(Term):
         return np.vstack([starts, own])
 
 
-LARGEST, SLOWEST = 0.8, 3.0
+SLOWEST = 3.0
 APART = (
     (0.5, 0.15, 0.9, 1.2),
     (0.9, 0.3, 0.5, 2.0),

@@ -1,10 +1,13 @@
 """Stretch before the nominal curve: what the drive loses on its way to the joint."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from pipeline.physics.compliance import Compliance
+from pipeline.physics.driven_slack import driven_as
 from pipeline.physics.motion import Motion
-from pipeline.physics.term import NO_STATE, Parameter, Surroundings
+from pipeline.physics.term import NO_STATE, Parameter, Surroundings, Told
 
 DRIVEN = "driven"
 
@@ -41,3 +44,13 @@ class DrivenStretch(Compliance):
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
         far = 0.5 * around.drive_span
         return np.array([[0.2, r * far, a, 0.0] for r in (0.25, 0.7) for a in (1.0, 2.0, 4.0)])
+
+    def instead(self, values: np.ndarray, motion: Motion, around: Surroundings) -> Sequence[Told]:
+        """Slack that loses as much, where that is soon lost."""
+        softness, reach = values[:2]
+        if reach > SOON * around.drive_span:
+            return ()
+        return [[told] for told in driven_as(float(softness * reach), float(reach))]
+
+
+SOON = 0.25

@@ -9,6 +9,7 @@ from pipeline.physics.backlash import Backlash
 from pipeline.physics.balance import Load
 from pipeline.physics.motion import Motion
 from pipeline.physics.pre_sliding import ELEMENTS, WIDEST, dragging, reaches_of, weighted
+from pipeline.physics.rising_creep import rising_as
 from pipeline.physics.slack import HOME, Slack
 from pipeline.physics.term import Parameter, Shown, Surroundings, Term, Told
 
@@ -107,19 +108,22 @@ class Friction(Term):
         return Backlash.name if shown.sharp(1) else self.name
 
     def instead(self, values: np.ndarray, motion: Motion, around: Surroundings) -> Sequence[Told]:
-        """Less of it beside slack.
+        """Less of it beside slack; for what grows with the bend creep that grows with the pull.
 
         Friction holds the joint between its loose wires: about as much as these are slack, the loop
         is wider. No small step leads from friction alone to both.
         """
         slack = Slack(HOME) if Slack(HOME).excited(motion, around) else Slack()
         (width, reach), slope = values[:2], around.angle_span / around.drive_span
-        found = []
+        found: list[Told] = []
         for own, spread in LEFT:
             loose = slack.candidates(motion, around)[0]
             loose[0], loose[-1] = LOOSENED * (1.0 - own) * width / max(slope, 1e-12), LOOSE
             held = np.array([own * width, own * reach, spread])
             found.append([(Friction(), held), (slack, loose)])
+        if self.form == WRAPPED:
+            loop = width * (1.0 + values[3] * 0.25 * around.angle_span)
+            found += [[told] for told in rising_as(loop / max(slope, 1e-12), around)]
         return found
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:

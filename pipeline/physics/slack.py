@@ -7,6 +7,7 @@ import numpy as np
 
 from pipeline.physics.balance import Load
 from pipeline.physics.compliance import Compliance
+from pipeline.physics.driven_slack import AHEAD, DRIVEN, OFF_HOME, DrivenSlack
 from pipeline.physics.motion import Motion
 from pipeline.physics.soft_wire import SoftWire
 from pipeline.physics.term import Parameter, Shown, Surroundings, Term, Told
@@ -37,6 +38,11 @@ class Slack(Term):
     def __init__(self, form: str = "") -> None:
         self.form = form
         self.unlikely = 3.0 if BEHIND in form else 0.0  # chance would decide against one before
+
+    def richer(self) -> tuple[Term, ...]:
+        where = {HOME: "", "": f" {OFF_HOME}"}.get(self.form)
+        driven = () if where is None else (DRIVEN + where, AHEAD + where)
+        return (*super().richer(), *(DrivenSlack(form) for form in driven))
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
         span, unit = around.drive_span, around.drive_unit
@@ -88,6 +94,11 @@ class Slack(Term):
         """Form "home" where the drive passes 0."""
         home = around.drive_low < 0.0 < around.drive_low + around.drive_span
         return around.drive_span > 0.0 and (home or HOME not in self.form)
+
+
+def slack_as(lost: float) -> tuple[Term, np.ndarray]:
+    """Slack that loses as much on either side [drive unit] as wire does that is soft at first."""
+    return Slack(HOME), np.array([2.0 * lost, 0.3 * lost, STIFFNESS])
 
 
 def apart(width: float) -> int:

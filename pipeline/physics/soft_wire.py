@@ -1,14 +1,16 @@
 """A soft wire: it stretches under the joint's own stiffness, and hardens."""
 
+from collections.abc import Sequence
 from typing import ClassVar
 
 import numpy as np
 
 from pipeline.physics.balance import Load
 from pipeline.physics.compliance import STRETCH, Compliance, centre, centres
-from pipeline.physics.driven_stretch import DrivenStretch
+from pipeline.physics.driven_slack import driven_as
+from pipeline.physics.driven_stretch import SOON, DrivenStretch
 from pipeline.physics.motion import Motion
-from pipeline.physics.term import Parameter, Shown, Surroundings, Term
+from pipeline.physics.term import Parameter, Shown, Surroundings, Term, Told
 
 OFF_HOME = "off home"
 
@@ -71,6 +73,17 @@ class SoftWire(Compliance):
             return self.name
         reach, stretch, stiffness = values[1:4]
         return "slack" if reach * stiffness / (stiffness + stretch) < shown.step else self.name
+
+    def instead(self, values: np.ndarray, motion: Motion, around: Surroundings) -> Sequence[Told]:
+        """Slack that loses as much, where that is soon lost: at the joint, or of the drive."""
+        from pipeline.physics.slack import slack_as  # which offers a toe, as this offers it
+
+        softness, reach = values[:2]
+        if reach > SOON * around.angle_span:
+            return ()
+        scale = around.drive_span / around.angle_span
+        lost, way = float(scale * softness * reach), float(scale * reach)
+        return [[told] for told in (slack_as(lost), *driven_as(lost, way))]
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
         half = 0.5 * around.angle_span

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from pipeline.discrepancy.fitting.fit import ITERATIONS, Fit, evaluate, improve
 from pipeline.discrepancy.fitting.screen import clipped
 from pipeline.discrepancy.search.choose import MOST_TERMS, Choice, Search, excludes, grown
-from pipeline.discrepancy.search.elsewhere import Key
+from pipeline.discrepancy.search.elsewhere import Key, differing
 from pipeline.physics.mechanism import Piece
 
 BEGUN, STEPS, HOPED = 3, 4, 100.0
@@ -26,13 +26,15 @@ def exchanged(search: Search, choice: Choice) -> Choice:
 def offered(fit: Fit, piece: Piece) -> dict[Key, list[list[Piece]]]:
     """What may stand in the place of a piece beside the others: starts by the terms taken up."""
     problem = fit.ground.problem
+    seen = problem.motion, problem.around
     rest = [p for p in fit.pieces if p is not piece]
     found: dict[Key, list[list[Piece]]] = {}
-    for told in piece.term.instead(piece.values, problem.motion, problem.around):
+    for told in piece.term.instead(piece.values, *seen):
         new = [Piece(term, clipped(fit, term, values)) for term, values in told]
         fits_in = not any(excludes(n.term, p.term) for n in new for p in rest)
+        shown = [t for t in differing([n.term for n in new], fit) if t.excited(*seen)]
         few = len(rest) + len(new) <= max(MOST_TERMS, len(fit.pieces))
-        if fits_in and few:
+        if fits_in and few and len(shown) == len(new):
             key = fit.key | {(n.term.name, n.term.form) for n in new}
             found.setdefault(key, []).append([*rest, *new])
     return found

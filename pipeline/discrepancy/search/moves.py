@@ -1,12 +1,14 @@
 """Moves from one explanation to another that no swap or added term makes."""
 
+from collections.abc import Sequence
 from itertools import combinations
 
-from pipeline.discrepancy.fitting.fit import ITERATIONS, evaluate, improve
+from pipeline.discrepancy.fitting.fit import ITERATIONS, Fit, evaluate, improve
 from pipeline.discrepancy.fitting.reform import reformed
 from pipeline.discrepancy.fitting.screen import late, screen, started
 from pipeline.discrepancy.search.choose import (
     FAINT,
+    MOST_TERMS,
     Choice,
     Search,
     allowed,
@@ -14,9 +16,11 @@ from pipeline.discrepancy.search.choose import (
 )
 from pipeline.physics.capstan_friction import CapstanFriction
 from pipeline.physics.catalogue import BEND, SHEATH_FORCES
+from pipeline.physics.driven_slack import DrivenSlack
 from pipeline.physics.friction import Friction
 from pipeline.physics.mechanism import Piece
 from pipeline.physics.response_lag import ResponseLag
+from pipeline.physics.slack import Slack
 from pipeline.physics.stiffness import Stiffness
 from pipeline.physics.term import Term
 
@@ -30,14 +34,10 @@ def unpromised(search: Search, choice: Choice) -> Choice:
     Other terms and the calibration take a bend's place; it shows only once they have moved.
     """
     fit = choice.fit
-    bends = [t for t in allowed(search.terms, fit) if t.group == BEND]
+    bends = [t for t in search.terms if t.group == BEND]
     if not fit.pieces:
         return choice
-    trials = [
-        improve(started(fit, few, room=True), 3, fit)
-        for few in by_term(screen(fit, search.effects, bends))
-    ]
-    best = min(trials, key=lambda t: t.cost, default=fit)
+    best = begun_with(search, fit, bends)
     if choice.score - search.hoped(best, choice.place) <= -FAINT:
         return choice
     return min(choice, search.weighed(improve(best, 8), choice.place), key=lambda c: c.score)
@@ -55,20 +55,49 @@ def recurved(search: Search, choice: Choice) -> Choice:
         rest = [p for p in choice.fit.pieces if not any(p is q for q in left_out)]
         fit = evaluate(choice.fit.ground, rest)
         gone = {(p.term.name, p.term.form) for p in left_out}
-        others = [
-            t for t in allowed(search.terms, fit) if curves(t) and (t.name, t.form) not in gone
-        ]
-        leads = by_term(screen(fit, search.effects, others))
-        trials = [improve(started(fit, few, room=True), 3, fit) for few in leads]
-        best = improve(min(trials, key=lambda t: t.cost, default=fit), 2 * ITERATIONS)
+        others = [t for t in search.terms if curves(t) and (t.name, t.form) not in gone]
+        best = improve(begun_with(search, fit, others), 2 * ITERATIONS)
         if choice.score - search.hoped(best, choice.place) > -FAINT:
             found = min(found, search.weighed(best, choice.place), key=lambda c: c.score)
     return found
 
 
+def parted(search: Search, choice: Choice) -> Choice:
+    """The choice with slack (and a bend) in place of what draws a static curve, if better.
+
+    Together they are a curve that one ripple or bend of its own form comes near, so that neither
+    gains much beside it, nor in its place without the other. Nor does slack at the joint where
+    other loads move that, if it is the drive's.
+    """
+    fit, found, problem = choice.fit, choice, choice.fit.ground.problem
+    slack = [t for t in search.terms if t.name == Slack.name]
+    if Slack.name in fit.names or not slack:
+        return choice
+    bends = [t for t in search.terms if t.group == BEND]
+    driven = [t for t in (DrivenSlack(),) if t.excited(problem.motion, problem.around)]
+    for place, piece in enumerate(fit.pieces):
+        if not curves(piece.term):
+            continue
+        rest = evaluate(fit.ground, [p for p in fit.pieces if p is not piece])
+        alone = begun_with(search, rest, slack, [reformed(fit, place, t) for t in driven])
+        both = begun_with(search, alone, bends) if len(fit.pieces) < MOST_TERMS else alone
+        for trial in {id(t): t for t in (alone, both)}.values():
+            best = improve(trial, 2 * ITERATIONS)
+            if choice.score - search.hoped(best, choice.place) > -FAINT:
+                found = min(found, search.weighed(best, choice.place), key=lambda c: c.score)
+    return found
+
+
+def begun_with(search: Search, fit: Fit, terms: Sequence[Term], other: Sequence[Fit] = ()) -> Fit:
+    """The fit with the one of some terms that suits it best; it as it is where none may stand."""
+    leads = by_term(screen(fit, search.effects, allowed(terms, fit)))
+    trials = [improve(started(fit, few, room=True), 3, fit) for few in leads]
+    return min((*trials, *other), key=lambda t: t.cost, default=fit)
+
+
 def curves(term: Term) -> bool:
     """Whether a term changes the static curve, as a bend, what holds the joint, or a ripple."""
-    return term.group == BEND or term.holds or term.periodic
+    return term.group == BEND or term.name == Slack.name or term.holds or term.periodic
 
 
 def merged(search: Search, choice: Choice) -> Choice:

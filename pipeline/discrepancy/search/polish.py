@@ -12,7 +12,7 @@ from pipeline.discrepancy.search.choose import (
 )
 from pipeline.discrepancy.search.elsewhere import Key, freed
 from pipeline.discrepancy.search.exchange import exchanged
-from pipeline.discrepancy.search.moves import merged, recurved, sheathed, unpromised
+from pipeline.discrepancy.search.moves import merged, parted, recurved, sheathed, unpromised
 from pipeline.discrepancy.search.played import played
 from pipeline.discrepancy.search.stepped import stepped
 
@@ -65,7 +65,7 @@ def _polished(search: Search, choices: list[Choice]) -> list[Choice]:
                 if child.fit.key not in found or child.score < found[child.fit.key].score:
                     found[child.fit.key] = child
         if best.score - (best := min(found.values(), key=lambda c: c.score)).score < SAME:
-            moves = (unpromised, stepped, recurved, played)
+            moves = (unpromised, stepped, recurved, played, parted)
             further = [*(move(search, best) for move in moves), *furthered(search, best)]
             more = min(further, key=lambda c: c.score)
             if more.score < best.score:

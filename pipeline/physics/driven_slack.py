@@ -1,0 +1,108 @@
+"""Slack before the nominal curve: what the drive turns for nothing, whatever loads the joint."""
+
+from typing import ClassVar
+
+import numpy as np
+
+from pipeline.physics.backlash import Backlash
+from pipeline.physics.compliance import Compliance
+from pipeline.physics.motion import Motion
+from pipeline.physics.term import NO_STATE, Parameter, Shown, Surroundings, Term
+
+OFF_HOME, DRIVEN, AHEAD = "off home", "driven", "ahead of play"
+
+
+class DrivenSlack(Term):
+    """x = u - (1 - kept) lost(u - centre), lost(v) = w log((1 + e^((v + h) / w)) / (1 +
+    e^((v - h) / w))) - h, with the half width h and the `rounding` w of its ends.
+
+    Of what the drive turns within the width the share `kept` still comes through, as where one of
+    two strands hangs loose. No load moves a joint in it: what is loose lies between the motor and
+    what holds the wires. In forms "ahead of play" it lies before what plays, elsewhere behind that;
+    in those "off home" its middle is another drive than 0. Wider than it is rounded it is a dead
+    zone; rounded wider, loss that saturates as tanh(v / 2 w). Source: dead zone at the input, Tao
+    and Kokotovic, Adaptive Control of Systems with Actuator and Sensor Nonlinearities (1996); the
+    softplus log(1 + e^x) at its ends, Dugas et al., NIPS 13 (2000).
+    """
+
+    name = "slack"
+    site = "transmission"
+    before_curve = True
+    own_law = True
+    grows: ClassVar = {
+        DRIVEN: (f"{DRIVEN} {OFF_HOME}", AHEAD),
+        AHEAD: (f"{AHEAD} {OFF_HOME}",),
+        f"{DRIVEN} {OFF_HOME}": (f"{AHEAD} {OFF_HOME}",),
+    }
+    means = "a dead zone around home, without a loop"
+    says = "Around home the wires hang slack: {width} of drive are lost before the joint follows."
+
+    def __init__(self, form: str = DRIVEN) -> None:
+        self.form = form
+        if AHEAD in form:
+            self.only_beside, self.place = Backlash.group, Backlash.place - 5.0
+
+    @property
+    def kin(self) -> str:
+        return self.form.replace(AHEAD, DRIVEN)
+
+    def elsewhere(self) -> tuple[Term, ...]:
+        return () if self.only_beside else (DrivenSlack(self.form.replace(DRIVEN, AHEAD)),)
+
+    def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
+        span, unit = around.drive_span, around.drive_unit
+        middle, far = around.drive_low + 0.5 * span, 0.35 * span
+        own = (
+            Parameter("width", unit, 0.0, 0.8 * span, 0.05 * span, 0.05 * span),
+            Parameter("rounding", unit, 1e-4 * span, 0.05 * span, 0.002 * span, 0.004 * span),
+            Parameter("kept", "", 0.0, MOST_KEPT, 0.0, 0.05, weak=True),
+        )
+        centre = Parameter("centre", unit, middle - far, middle + far, middle, 0.05 * span)
+        return (*own, centre) if OFF_HOME in self.form else own
+
+    def respond(
+        self, signal: np.ndarray, motion: Motion, values: np.ndarray, state: np.ndarray | None
+    ) -> tuple[np.ndarray, np.ndarray]:
+        width, rounding, kept, *centre = values
+        off, half = signal - (centre[0] if centre else 0.0), 0.5 * width
+        taken_up = np.logaddexp(0.0, (off + half) / rounding)
+        taken_up -= np.logaddexp(0.0, (off - half) / rounding)
+        return signal - (1.0 - kept) * (rounding * taken_up - half), NO_STATE
+
+    def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
+        span = around.drive_span
+        rows = [
+            [width * span, share * width * span, 0.0]
+            for width in (0.01, 0.03, 0.08, 0.2)
+            for share in (0.03, 0.2)
+        ]
+        if OFF_HOME not in self.form:
+            return np.array(rows)
+        middle = around.drive_low + 0.5 * span
+        off = np.linspace(-0.25, 0.25, 9) * span
+        return np.array([[*row, middle + centre] for row in rows for centre in off])
+
+    def plainer(self, values: np.ndarray, shown: Shown) -> str:
+        """A width not worth a parameter, or of which half comes through, is soft wire."""
+        width, rounding, kept = values[:3]
+        lost = (1.0 - kept) * np.tanh(0.25 * width / rounding)
+        return self.name if lost >= HALF and shown.worth(0, (KEPT,)) else Compliance.name
+
+    def excited(self, motion: Motion, around: Surroundings) -> bool:
+        """Forms of a middle at home where the drive passes 0."""
+        home = around.drive_low < 0.0 < around.drive_low + around.drive_span
+        return around.drive_span > 0.0 and (home or OFF_HOME in self.form)
+
+
+MOST_KEPT, HALF = 0.6, 0.5
+KEPT = 2
+
+
+def driven_as(lost: float, reach: float) -> list[tuple[Term, np.ndarray]]:
+    """Slack of the drive that loses as much as wire does that is soft at first.
+
+    lost: how much, on either side [drive unit]. reach: over which way [drive unit].
+    """
+    starts = [(2.0 * lost, share * lost, 0.0) for share in (0.1, 0.3, 1.0)]
+    starts.append((2.0 * reach, 0.1 * reach, 1.0 - lost / max(reach, 1e-300)))
+    return [(DrivenSlack(f), np.array(start)) for f in (DRIVEN, AHEAD) for start in starts]
