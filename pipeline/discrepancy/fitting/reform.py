@@ -40,7 +40,8 @@ def reformed(fit: Fit, place: int, term: Term) -> Fit:
         box = fit.ground.box(term)
         told = _within(box, term.retold(np.unique(kept, axis=0)))
         fresh = starts if term.own_law else starts[:0]
-        starts = np.vstack([told, fresh]) if len(told) else np.clip(kept, box.low, box.high)
+        clipped = np.unique(np.clip(kept, box.low, box.high), axis=0)
+        starts = np.vstack([told, fresh]) if len(told) else clipped
     before, after = fit.pieces[:place], fit.pieces[place + 1 :]
     if term.scanned and not set(names) <= set(had):
         starts = _sized(fit, place, term, starts, nested)

@@ -8,18 +8,23 @@ from pipeline.discrepancy.search.choose import MOST_TERMS, Choice, Search, exclu
 from pipeline.discrepancy.search.elsewhere import Key, differing
 from pipeline.physics.mechanism import Piece
 
-BEGUN, STEPS, HOPED = 3, 4, 100.0
+BEGUN, STEPS, HOPED, FARTHER = 3, 4, 100.0, 5.0
 
 
 def exchanged(search: Search, choice: Choice) -> Choice:
     """The choice with what one of its terms may be instead (`Term.instead`), if that is better."""
     for piece in choice.fit.pieces:
         for key, starts in offered(choice.fit, piece).items():
-            if not search.tried_in_vain(key, choice):
-                trial = begun_from(search, choice, starts)
+            if search.tried_in_vain(key, choice):
+                continue
+            fit = begun_from(choice.fit, starts)
+            behind = fit.cost - choice.fit.cost
+            if behind < HOPED:
+                trial = grown(search, search.weighed(fit, choice.place))
                 if trial.score < choice.score:
                     return exchanged(search, trial)
-                search.vain[key] = choice.score, trial.score - choice.score
+                behind = trial.score - choice.score
+            search.vain[key] = choice.score, behind
     return choice
 
 
@@ -40,11 +45,8 @@ def offered(fit: Fit, piece: Piece) -> dict[Key, list[list[Piece]]]:
     return found
 
 
-def begun_from(search: Search, choice: Choice, starts: Sequence[Sequence[Piece]]) -> Choice:
-    """What the best of some starts of the same terms comes to; the choice where it is hopeless."""
-    fits = sorted((evaluate(choice.fit.ground, s) for s in starts), key=lambda fit: fit.cost)
-    best = min((improve(fit, STEPS) for fit in fits[:BEGUN]), key=lambda fit: fit.cost)
-    best = improve(best, 2 * ITERATIONS)
-    if best.cost > choice.fit.cost + HOPED:
-        return choice
-    return grown(search, search.weighed(best, choice.place))
+def begun_from(fit: Fit, starts: Sequence[Sequence[Piece]]) -> Fit:
+    """What the best of some starts of the same terms comes to on a fit's ground."""
+    fits = sorted((evaluate(fit.ground, s) for s in starts), key=lambda f: f.cost)
+    best = min((improve(f, STEPS) for f in fits[:BEGUN]), key=lambda f: f.cost)
+    return improve(best, 2 * ITERATIONS) if best.cost < fit.cost + FARTHER * HOPED else best

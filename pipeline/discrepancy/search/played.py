@@ -1,6 +1,6 @@
 """Uneven play at once: what a loop and a dent beside it may be instead."""
 
-from itertools import combinations
+from itertools import combinations, product
 
 from pipeline.discrepancy.fitting.fit import evaluate, improve
 from pipeline.discrepancy.fitting.reform import reformed
@@ -27,8 +27,8 @@ def played(search: Search, choice: Choice) -> Choice:
     motion, around = ground.problem.motion, ground.problem.around
     behind = late(choice.fit)
     forms = [f for f in map(UnevenPlay, FORMS) if f.excited(motion, around)]
-    suspects = [p for p in choice.fit.pieces if any(p is q for q in behind) or curves(p.term)]
-    for gone in (*combinations(suspects, 1), *combinations(suspects, 2)):
+    bent = [p for p in choice.fit.pieces if curves(p.term)]
+    for gone in (*combinations(behind, 1), *combinations(bent, 1), *product(behind, bent)):
         rest = [p for p in choice.fit.pieces if not any(p is q for q in gone)]
         if any(excludes(PLAY, p.term) for p in rest):
             continue
