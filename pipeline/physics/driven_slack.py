@@ -83,10 +83,8 @@ class DrivenSlack(Term):
         return np.array([[*row, middle + centre] for row in rows for centre in off])
 
     def plainer(self, values: np.ndarray, shown: Shown) -> str:
-        """A width not worth a parameter, or of which half comes through, is soft wire."""
-        width, rounding, kept = values[:3]
-        lost = (1.0 - kept) * np.tanh(0.25 * width / rounding)
-        return self.name if lost >= HALF and shown.worth(0, (KEPT,)) else Compliance.name
+        """A width not worth a parameter is wire that gives way at first."""
+        return self.name if shown.worth(0, (KEPT,)) else Compliance.name
 
     def excited(self, motion: Motion, around: Surroundings) -> bool:
         """Forms of a middle at home where the drive passes 0."""
@@ -94,7 +92,7 @@ class DrivenSlack(Term):
         return around.drive_span > 0.0 and (home or OFF_HOME in self.form)
 
 
-MOST_KEPT, HALF = 0.6, 0.5
+MOST_KEPT = 0.6
 KEPT = 2
 
 

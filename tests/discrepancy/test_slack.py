@@ -20,7 +20,7 @@ from tests.discrepancy.made import explained, recorded
         (
             "slack/ahead of play",
             {"width": 8.0, "rounding": 0.1, "kept": 0.4},
-            {"backlash": {"width": 1.5}},
+            {"backlash": {"width": 2.0}},
         ),
     ],
 )
@@ -58,18 +58,11 @@ def test_wire_that_is_soft_near_home_alone_may_be_slack():
     assert told >= {"slack", "compliance"}
 
 
-@pytest.mark.parametrize(
-    ("values", "name"),
-    [
-        ([4.0, 0.2, 0.0], "slack"),
-        ([4.0, 0.2, 0.4], "slack"),
-        ([4.0, 0.2, 0.55], "compliance"),
-        ([4.0, 3.0, 0.0], "compliance"),
-    ],
-)
-def test_slack_in_which_half_of_the_drive_comes_through_is_soft_wire(values, name):
+@pytest.mark.parametrize(("width", "name"), [(4.0, "slack"), (0.001, "compliance")])
+def test_a_width_that_is_not_worth_a_parameter_is_soft_wire(width, name):
     found = explained(recorded({"slack/driven": {"width": 4.0, "rounding": 0.2}}))
-    fit = evaluate(found.choices[0].fit.ground, [Piece(term("slack", "driven"), np.array(values))])
+    values = np.array([width, 0.2, 0.1])
+    fit = evaluate(found.choices[0].fit.ground, [Piece(term("slack", "driven"), values)])
     assert plainly(fit) == [name]
 
 
