@@ -35,6 +35,12 @@ class UnevenPlay(Term):
     before_curve = True
     group = "play"
 
+    def __init__(self, form: str) -> None:
+        self.form = form
+        self.unlikely = (
+            3.0 if form == TAPERED else 0.0
+        )  # as a stiff sheath looks, which is likelier
+
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
         span, unit = around.drive_span, around.drive_unit
         middle, far = around.drive_low + 0.5 * span, 0.5 * span
