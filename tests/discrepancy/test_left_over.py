@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from pipeline.discrepancy.fitting.fit import evaluate, ground_of
-from pipeline.discrepancy.judgement.verdict import plainly_told, weightier
+from pipeline.discrepancy.judgement.verdict import PLAINLY, plainly_told, weightier
 from pipeline.discrepancy.noise.noise import NoiseModel
 from pipeline.discrepancy.search.accuracy import evenly_calibrated
 from pipeline.discrepancy.search.choose import Choice, names
@@ -56,5 +56,5 @@ def test_beside_a_rest_several_names_stay_that_each_explain_many_times_as_much(s
     ground = ground_of(problem, NoiseModel(NOISE), problem.train)
     ripple = Piece(RIPPLE.term, np.array([4.0, 30.0, 0.5]))
     choice = Choice(evaluate(ground, (PLAY, ripple)), (0, 0, 0), 0.0)
-    told = names(plainly_told(explanation_of([choice]), choice, NOISE**2))
+    told = names(plainly_told(explanation_of([choice]), choice, NOISE**2, PLAINLY))
     assert told == ({"backlash", "transmission_ripple"} if stay else set())

@@ -15,7 +15,7 @@ from pipeline.discrepancy.search.pressed import plainer
 
 ENOUGH = 0.7
 MOST_LEFT = 0.1
-PLAINLY = 4.0
+PLAINLY, PLAINLY_OF_PILE = 4.0, 8.0
 UNFOLLOWED = 0.7
 FORM_ERROR = 0.05
 ODDS, BESIDE, RESTLESS = 2.0, 3.0, 7.0
@@ -74,7 +74,8 @@ def fewer(explanation: Explanation, choice: Choice) -> Choice:
 
     Where that rest is less than a twentieth of the mismatch (RMS), all names stay that explain more
     than they leave together: then it is the form of a term, but not of as many as a search takes.
-    So do those that each explain four times what they leave together. Else the best single term
+    So do those that each explain four times what they leave together, or, of as many names as a
+    search takes, eight times. Else the best single term
     stays if it alone explains most of the mismatch, and nine tenths of its structure, which the
     noise that was learnt from repeats may hide; otherwise none does.
     """
@@ -88,7 +89,8 @@ def fewer(explanation: Explanation, choice: Choice) -> Choice:
     before = mean_square(explanation, base) - noise
     if not piled(choice) and rest_of(choice, explanation) ** 2 < FORM_ERROR**2 * before:
         return weightier(explanation, choice, np.inf)
-    told = plainly_told(explanation, choice, noise)
+    plainly = PLAINLY_OF_PILE if piled(choice) else PLAINLY
+    told = plainly_told(explanation, choice, noise, plainly)
     if told.fit.pieces and not piled(told):
         return told
     single = min(singles(explanation, choice), key=lambda c: c.score)
@@ -148,14 +150,14 @@ def weightier(explanation: Explanation, choice: Choice, structured: float) -> Ch
     return weightier(explanation, explanation.search.weighed(fit, choice.place), structured)
 
 
-def plainly_told(explanation: Explanation, choice: Choice, noise: float) -> Choice:
-    """Only terms that each explain PLAINLY times what they leave together.
+def plainly_told(explanation: Explanation, choice: Choice, noise: float, plainly: float) -> Choice:
+    """Only terms that each explain `plainly` times what they leave together.
 
     That is what is beyond the noise (its mean square), or the structure that shows in it: noise
     that was learnt from repeats may hold it. The one that explains least goes first.
     """
     left = mean_square(explanation, choice)
-    needed = PLAINLY * max(left - noise, rest_of(choice, explanation) ** 2)
+    needed = plainly * max(left - noise, rest_of(choice, explanation) ** 2)
     without = []
     for piece in choice.fit.pieces:
         rest = [p for p in choice.fit.pieces if p is not piece]
@@ -164,7 +166,8 @@ def plainly_told(explanation: Explanation, choice: Choice, noise: float) -> Choi
     least, fit = min(without, key=lambda w: w[0], default=(np.inf, choice.fit))
     if least >= needed:
         return choice
-    return plainly_told(explanation, explanation.search.weighed(fit, choice.place), noise)
+    fewer_told = explanation.search.weighed(fit, choice.place)
+    return plainly_told(explanation, fewer_told, noise, plainly)
 
 
 def mean_square(explanation: Explanation, choice: Choice) -> float:
