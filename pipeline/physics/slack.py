@@ -41,7 +41,7 @@ class Slack(Term):
 
     def richer(self) -> tuple[Term, ...]:
         where = {HOME: "", "": f" {OFF_HOME}"}.get(self.form)
-        driven = () if where is None else (DRIVEN + where, AHEAD + where)
+        driven = () if where is None else (DRIVEN + where,)
         return (*super().richer(), *(DrivenSlack(form) for form in driven))
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:

@@ -151,14 +151,14 @@ def searched_wide(search: Search, begun: list[Choice], found: list[Choice]) -> l
 
     Nor does it stop at as many names as a search takes: they may be a pile that mops up what other
     names explain. What gains most at first is then not on the way to what explains most. begun: the
-    choices that those found were polished from; from a best that is no other, a polish would come
-    to the same.
+    choices that those found were polished from; from a best that is no better, a polish would come
+    to no better.
     """
     if not (refuted(search, found[0]) or piled(found[0])):
         return found
     wide = replace(search, wide=True)
     again = choose(wide, found[0].fit.ground)
-    if abs(again[0].score - min(c.score for c in begun)) > SAME:
+    if again[0].score < min(c.score for c in begun) - SAME:
         again = polished(wide, again)
     return best_of_each([*found, *again])
 
