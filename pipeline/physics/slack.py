@@ -7,7 +7,7 @@ import numpy as np
 
 from pipeline.physics.balance import Load
 from pipeline.physics.compliance import Compliance
-from pipeline.physics.driven_slack import AHEAD, DRIVEN, OFF_HOME, DrivenSlack
+from pipeline.physics.driven_slack import DRIVEN, OFF_HOME, DrivenSlack
 from pipeline.physics.motion import Motion
 from pipeline.physics.soft_wire import SoftWire
 from pipeline.physics.term import Parameter, Shown, Surroundings, Term, Told

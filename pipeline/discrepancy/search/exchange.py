@@ -46,7 +46,10 @@ def offered(fit: Fit, piece: Piece) -> dict[Key, list[list[Piece]]]:
 
 
 def begun_from(fit: Fit, starts: Sequence[Sequence[Piece]]) -> Fit:
-    """What the best of some starts of the same terms comes to on a fit's ground."""
+    """What the best of some starts of the same terms comes to on a fit's ground.
+
+    One that is far behind the fit is left after a few steps.
+    """
     fits = sorted((evaluate(fit.ground, s) for s in starts), key=lambda f: f.cost)
     best = min((improve(f, STEPS) for f in fits[:BEGUN]), key=lambda f: f.cost)
     return improve(best, 2 * ITERATIONS) if best.cost < fit.cost + FARTHER * HOPED else best

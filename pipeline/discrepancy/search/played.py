@@ -21,12 +21,12 @@ def played(search: Search, choice: Choice) -> Choice:
     Where play is wider round home, friction or a lag beside slack comes near it, or slack beside
     friction that is there as well; play of one width is no step on the way from these to it.
     """
-    if not any(t.name == PLAY.name for t in search.terms):
-        return choice
     found, ground = choice, choice.fit.ground
     motion, around = ground.problem.motion, ground.problem.around
-    behind = late(choice.fit)
     forms = [f for f in map(UnevenPlay, FORMS) if f.excited(motion, around)]
+    if not (forms and any(t.name == PLAY.name for t in search.terms)):
+        return choice
+    behind = late(choice.fit)
     bent = [p for p in choice.fit.pieces if curves(p.term)]
     for gone in (*combinations(behind, 1), *combinations(bent, 1), *product(behind, bent)):
         rest = [p for p in choice.fit.pieces if not any(p is q for q in gone)]

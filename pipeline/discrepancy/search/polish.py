@@ -64,7 +64,8 @@ def _polished(search: Search, choices: list[Choice]) -> list[Choice]:
             for child in extended(search, without, 5, begun=[unmoved]):
                 if child.fit.key not in found or child.score < found[child.fit.key].score:
                     found[child.fit.key] = child
-        if best.score - (best := min(found.values(), key=lambda c: c.score)).score < SAME:
+        before, best = best, min(found.values(), key=lambda c: c.score)
+        if before.score - best.score < SAME:
             moves = (unpromised, stepped, recurved, played, parted)
             further = [*(move(search, best) for move in moves), *furthered(search, best)]
             more = min(further, key=lambda c: c.score)
