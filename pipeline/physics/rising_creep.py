@@ -1,10 +1,13 @@
 """Creep that grows faster than the pull: nonlinear viscoelasticity."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from pipeline.physics.held import dwells, trailed
 from pipeline.physics.motion import Motion
-from pipeline.physics.term import Parameter, Surroundings, Term
+from pipeline.physics.response_lag import ResponseLag
+from pipeline.physics.term import Parameter, Surroundings, Term, Told
 
 RISING = "rising"
 LARGEST = 0.8
@@ -69,6 +72,11 @@ class RisingCreep(Term):
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
         dwell, rise = max(around.dwell_s, 1e-9), 0.1 / max(around.drive_span, 1e-300)
         return np.array([[0.0, k * dwell, 0.0, 0.0, rise] for k in TIMES])
+
+    def instead(self, values: np.ndarray, motion: Motion, around: Surroundings) -> Sequence[Told]:
+        """A motor that is late: beside slack or a stop it looks so, and no plain lag is near it."""
+        late = ResponseLag("motor")
+        return [[(late, start)] for start in late.candidates(motion, around)]
 
     def excited(self, motion: Motion, around: Surroundings) -> bool:
         return around.drive_span > 0.0 and around.dwell_s > 0.0

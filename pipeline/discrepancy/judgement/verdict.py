@@ -75,7 +75,7 @@ def fewer(explanation: Explanation, choice: Choice) -> Choice:
     Where that rest is less than a twentieth of the mismatch (RMS), all names stay that explain more
     than they leave together: then it is the form of a term, but not of as many as a search takes.
     So do those that each explain four times what they leave together, or, of as many names as a
-    search takes, eight times. Else the best single term
+    search takes that leave more than the noise, eight times. Else the best single term
     stays if it alone explains most of the mismatch, and nine tenths of its structure, which the
     noise that was learnt from repeats may hide; otherwise none does.
     """
@@ -89,7 +89,8 @@ def fewer(explanation: Explanation, choice: Choice) -> Choice:
     before = mean_square(explanation, base) - noise
     if not piled(choice) and rest_of(choice, explanation) ** 2 < FORM_ERROR**2 * before:
         return weightier(explanation, choice, np.inf)
-    plainly = PLAINLY_OF_PILE if piled(choice) else PLAINLY
+    much = mean_square(explanation, choice) > 2.0 * noise
+    plainly = PLAINLY_OF_PILE if piled(choice) and much else PLAINLY
     told = plainly_told(explanation, choice, noise, plainly)
     if told.fit.pieces and not piled(told):
         return told
