@@ -41,6 +41,7 @@ class DrivenSlack(Term):
         self.form = form
         if AHEAD in form:
             self.only_beside, self.place = Backlash.group, Backlash.place - 5.0
+            self.unlikely = 1.0  # chance would decide where nothing plays
 
     @property
     def kin(self) -> str:

@@ -11,6 +11,7 @@ from pipeline.physics.term import Parameter, Surroundings, Term
 TAPERED, WORN = "tapered", "worn round"
 FORMS = TAPERED, WORN
 LEAST_LEFT, FARTHEST = 0.2, 0.35
+LIKE_A_SHEATH = 3.0  # a stiff sheath's friction is the same signal, and likelier
 TAPERS = (-0.6, -0.3, 0.3, 0.6)
 UNWORN, PLACES, REACHES = (0.3, 0.6), (0.3, 0.5, 0.7), (0.1, 0.2)
 
@@ -37,9 +38,7 @@ class UnevenPlay(Term):
 
     def __init__(self, form: str) -> None:
         self.form = form
-        self.unlikely = (
-            3.0 if form == TAPERED else 0.0
-        )  # as a stiff sheath looks, which is likelier
+        self.unlikely = LIKE_A_SHEATH if form == TAPERED else 0.0
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
         span, unit = around.drive_span, around.drive_unit

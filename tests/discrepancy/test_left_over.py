@@ -4,7 +4,13 @@ import numpy as np
 import pytest
 
 from pipeline.discrepancy.fitting.fit import evaluate, ground_of
-from pipeline.discrepancy.judgement.verdict import PLAINLY, plainly_told, weightier
+from pipeline.discrepancy.judgement.verdict import (
+    PLAINLY,
+    PLAINLY_OF_PILE,
+    asked_of,
+    plainly_told,
+    weightier,
+)
 from pipeline.discrepancy.noise.noise import NoiseModel
 from pipeline.discrepancy.search.accuracy import evenly_calibrated
 from pipeline.discrepancy.search.choose import Choice, names
@@ -58,3 +64,19 @@ def test_beside_a_rest_several_names_stay_that_each_explain_many_times_as_much(s
     choice = Choice(evaluate(ground, (PLAY, ripple)), (0, 0, 0), 0.0)
     told = names(plainly_told(explanation_of([choice]), choice, NOISE**2, PLAINLY))
     assert told == ({"backlash", "transmission_ripple"} if stay else set())
+
+
+@pytest.mark.parametrize(
+    ("size", "count", "asked"),
+    [(0.1, 4, PLAINLY), (1.0, 4, PLAINLY_OF_PILE), (1.0, 3, PLAINLY)],
+)
+def test_more_is_asked_of_a_pile_of_names_that_leaves_more_than_the_noise(size, count, asked):
+    hidden = {"backlash": {"width": 4.0}, "transmission_ripple": {"amplitude": 0.2, "period": 30.0,
+              "phase": 0.5}, "drift/linear": {"rate": 0.02}}  # fmt: skip
+    plain = recorded(hidden)
+    swing = size * np.sin(np.linspace(0.0, 21.0, len(plain.samples)))
+    problem = posed(changed(plain, **{ANGLE: plain.samples[ANGLE] + swing}))
+    ground = ground_of(problem, NoiseModel(NOISE), problem.train)
+    creep = Piece(term("creep"), np.array([1e-3, 9.0]))
+    choice = Choice(evaluate(ground, (PLAY, RIPPLE, DRIFT, creep)[:count]), (0, 0, 0), 0.0)
+    assert asked_of(explanation_of([choice]), choice, NOISE**2) == asked

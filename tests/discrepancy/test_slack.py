@@ -5,6 +5,7 @@ import pytest
 
 from pipeline.discrepancy.fitting.fit import evaluate, improve
 from pipeline.discrepancy.search.disguise import plainly
+from pipeline.discrepancy.search.exchange import exchanged
 from pipeline.discrepancy.search.moves import parted
 from pipeline.discrepancy.search.ties import standing
 from pipeline.physics.catalogue import term
@@ -74,3 +75,18 @@ def test_creep_that_grows_with_the_pull_is_no_friction_that_does(beside):
     creep = next(p for p in best.fit.pieces if p.term.name == "creep")
     assert set(best.fit.names) == {"creep"} | {key.partition("/")[0] for key in beside}
     np.testing.assert_allclose(creep.values[[1, -1]], [28.0, 0.002], rtol=0.2)
+
+
+def test_a_late_motor_beside_slack_is_told_in_place_of_creep_that_grows_with_the_pull():
+    hidden = {
+        "slack": {"width": 6.0, "centre": 8.0},
+        "response_lag/motor": {"natural_frequency": 0.3, "damping": 1.0, "moving": 0.0},
+    }
+    found = explained(recorded(hidden, noise=0.1))
+    ground = found.choices[0].fit.ground
+    slack = next(p for p in found.choices[0].fit.pieces if p.term.name == "slack")
+    creep = Piece(term("creep", "rising"), np.array([0.5, 4.0, 0.0, 0.0, 0.001]))
+    mistaken = found.search.weighed(improve(evaluate(ground, [slack, creep]), 20), (0, 0, 0))
+    other = exchanged(found.search, mistaken)
+    assert {(p.term.name, p.term.form) for p in other.fit.pieces} >= {("response_lag", "motor")}
+    assert other.score < mistaken.score - 20.0

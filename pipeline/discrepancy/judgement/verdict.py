@@ -89,9 +89,7 @@ def fewer(explanation: Explanation, choice: Choice) -> Choice:
     before = mean_square(explanation, base) - noise
     if not piled(choice) and rest_of(choice, explanation) ** 2 < FORM_ERROR**2 * before:
         return weightier(explanation, choice, np.inf)
-    much = mean_square(explanation, choice) > 2.0 * noise
-    plainly = PLAINLY_OF_PILE if piled(choice) and much else PLAINLY
-    told = plainly_told(explanation, choice, noise, plainly)
+    told = plainly_told(explanation, choice, noise, asked_of(explanation, choice, noise))
     if told.fit.pieces and not piled(told):
         return told
     single = min(singles(explanation, choice), key=lambda c: c.score)
@@ -149,6 +147,15 @@ def weightier(explanation: Explanation, choice: Choice, structured: float) -> Ch
     if least >= 1.0:
         return choice
     return weightier(explanation, explanation.search.weighed(fit, choice.place), structured)
+
+
+def asked_of(explanation: Explanation, choice: Choice, noise: float) -> float:
+    """How many times what all of them leave each name must explain to be told beside that.
+
+    noise: its mean square. More of a pile of names that leaves more than the noise.
+    """
+    more = piled(choice) and mean_square(explanation, choice) > 2.0 * noise
+    return PLAINLY_OF_PILE if more else PLAINLY
 
 
 def plainly_told(explanation: Explanation, choice: Choice, noise: float, plainly: float) -> Choice:

@@ -58,10 +58,10 @@ class Search:
     """What a search needs: the terms that the recording can show and the noises to choose from.
 
     vain: scores of choices for which a set of forms was tried in vain, and by how much it was
-    behind. seen: the best choice of
-    each set of names that was weighed, taken or not. wide: whether what gains much less than the
-    best at first is followed, too. quick: whether leads are taken as they come: of a beam's many
-    sets few are followed, and what none of their bounds allows is left to the polish to find out.
+    behind. seen: the best choice of each set of names that was weighed, taken or not. wide: whether
+    what gains much less than the best at first is followed, too. quick: whether leads are taken as
+    they come: of a beam's many sets few are followed, and what none of their bounds allows is left
+    to the polish to find out.
     """
 
     terms: tuple[Term, ...]
@@ -80,7 +80,7 @@ class Search:
     def tried_in_vain(self, key: Key, choice: Choice) -> bool:
         """Whether the terms and forms of `key` were tried in vain in place of such a choice.
 
-        A choice that has moved since by much less than they were behind is still such a one.
+        A choice that has moved since by less than CAUGHT_UP of what they were behind is such a one.
         """
         score, behind = self.vain.get(key, (np.inf, 0.0))
         return abs(score - choice.score) < max(SAME, CAUGHT_UP * behind)

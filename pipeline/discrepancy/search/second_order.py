@@ -16,10 +16,8 @@ RESOLVED = 2.0  # times the finest step that the numbers tell apart
 
 
 def swinging(search: Search, choices: list[Choice]) -> list[Choice]:
-    """The choices (best first), with a lag of second order where noise can't be what is left.
+    """The choices (best first), with a lag of second order where what is left may be no noise.
 
-    Nor where that walks beside what was named, for it takes the swings as readily as a drift, nor
-    where cycles have something of it in common.
     At a steady pace what swings is ahead of its command or behind it by about as much all the time:
     play comes near the one, nothing without inertia the other. So no first-order lag is on the way,
     and what was added beside play to mop up the rest is polished away. The lag takes the place of
@@ -43,7 +41,11 @@ def swinging(search: Search, choices: list[Choice]) -> list[Choice]:
 
 
 def unsure(search: Search, choice: Choice) -> bool:
-    """Whether what a choice leaves may be no noise."""
+    """Whether what a choice leaves may be no noise.
+
+    Noise that walks beside what was named takes swings as readily as a drift; jitter hides that it
+    is too large, but not that cycles have something of it in common.
+    """
     walks = bool(choice.fit.pieces) and choice.place[2] > 0
     return walks or refuted(search, choice) or misfits(search, choice)
 
