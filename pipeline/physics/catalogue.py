@@ -24,6 +24,7 @@ from pipeline.physics.inertia import Inertia
 from pipeline.physics.lens_distortion import LensDistortion
 from pipeline.physics.lost_steps import BEHIND, LostSteps
 from pipeline.physics.marker_outliers import MarkerOutliers
+from pipeline.physics.queued_frames import QueuedFrames
 from pipeline.physics.recurring_slip import RecurringSlip
 from pipeline.physics.response_lag import ResponseLag
 from pipeline.physics.sheath_force import SheathForce
@@ -54,7 +55,7 @@ PRESSED = tuple(
         "bristle bent loaded",
     )
 )
-SPRUNG, LATE, WORN = ViscousFriction("sprung"), ForceLag(), WornPlay()
+SPRUNG, LATE, WORN, QUEUE = ViscousFriction("sprung"), ForceLag(), WornPlay(), QueuedFrames()
 RECURRING = (RecurringSlip("every top"), RecurringSlip("every bottom"))
 UNEVEN = (SofterSide("upper"), SofterSide("lower"))
 
@@ -165,7 +166,7 @@ def richer(term: Term) -> tuple[Term, ...]:
 def term(name: str, form: str = "", other_commands: Iterable[str] = ()) -> Term:
     """The term of a name (and form); TermError names those that exist."""
     found = with_richer((*terms(other_commands), *force_terms()))
-    found += (*SHEATH_FORCES, *PRESSED, SPRUNG, LATE, WORN, *UNEVEN, *RECURRING)
+    found += (*SHEATH_FORCES, *PRESSED, SPRUNG, LATE, WORN, QUEUE, *UNEVEN, *RECURRING)
     same = [t for t in found if t.name == name and form in ("", t.form)]
     if same:
         return next((t for t in same if t.form == form), same[0])

@@ -15,6 +15,7 @@ from pipeline.physics.term import NO_STATE, Parameter, Surroundings, Term
 OVERTONES = {"second": (2,), "third": (3,), "both": (2, 3), "odd": (3,), "all": (2, 3)}
 EDGES = 3.0
 TWO, APART = "two afloat", 1.5
+SWELLING, DEEPEST, SLOWEST = "swelling afloat", 0.95, 3.0
 GOING_ON = {"odd": (5, 7, 9), "all": (4, 5, 6, 7, 8)}
 
 
@@ -29,6 +30,20 @@ def rippled(drive, turn, waves):  # type: ignore[no-untyped-def]
     return out
 
 
+def swelling(
+    amplitude: float, period: float, phase: float, swell: float, slow: float, at: float
+) -> np.ndarray:
+    """A wave that swells and fades, as a wave and its two side bands: `rippled`'s waves, (3, 3)."""
+    side, beat, half = 0.5 * swell * amplitude, period / slow, 0.5 * np.pi
+    return np.array(
+        [
+            [1.0, amplitude, phase],
+            [1.0 - beat, side, phase - at + half],
+            [1.0 + beat, side, phase + at - half],
+        ]
+    )
+
+
 class TransmissionRipple(Term):
     """x = u + a (sin(2 pi u / period + phase) - sin(phase)): the error counts from drive 0.
 
@@ -38,7 +53,9 @@ class TransmissionRipple(Term):
     that is more than an offset. In the forms "odd" and "all" the overtones of "third" and "both" go
     on, each `further` times the one before and as far ahead of it in phase, as what snaps over has
     them: teeth that seat, a wave with edges. In the form "two afloat" two waves, each of a period
-    of its own: the teeth of a gear and the pulley that it turns, or the gears of two stages.
+    of its own: the teeth of a gear and the pulley that it turns, or the gears of two stages. In the
+    form "swelling afloat" teeth that run out of true: a (1 + swell sin(2 pi u / swell_period +
+    swell_phase)) sin(2 pi u / period + phase).
     A period that the drive does not run through at least once and a third is no ripple to be seen,
     and edges that it does not meet three times are not told from a single one; of two
     waves, one that it runs through less than one and a half times is a bend beside the other, and
@@ -53,8 +70,8 @@ class TransmissionRipple(Term):
     periodic = True
     before_curve = True
     grows: ClassVar = {
-        "first": ("first afloat", "second", "second afloat", "third afloat", TWO),
-        "first afloat": ("second afloat", "third afloat", TWO),
+        "first": ("first afloat", "second", "second afloat", "third afloat", TWO, SWELLING),
+        "first afloat": ("second afloat", "third afloat", TWO, SWELLING),
         "second": ("second afloat", "both afloat", TWO),
         "second afloat": ("both afloat", TWO),
         "third afloat": ("both afloat", "odd afloat", TWO),
@@ -69,7 +86,7 @@ class TransmissionRipple(Term):
         self.form = form
         self.overtones = OVERTONES.get(form.removesuffix(" afloat"), ())
         self.going_on = GOING_ON.get(form.removesuffix(" afloat"), ())
-        self.scanned = form == TWO
+        self.scanned = form in (TWO, SWELLING)
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
         span, unit = around.drive_span, around.drive_unit
@@ -86,6 +103,12 @@ class TransmissionRipple(Term):
             )
         if self.form == TWO:
             own += tuple(replace(p, name=f"other_{p.name}") for p in own)
+        if self.form == SWELLING:
+            own += (
+                Parameter("swell", "", 0.0, DEEPEST, 0.2, 0.3),
+                Parameter("swell_period", unit, 0.2 * span, 2.0 * span, 0.5 * span, 0.0),
+                Parameter("swell_phase", "rad", -4.0 * np.pi, 4.0 * np.pi, 0.0, 0.0),
+            )
         if self.going_on:
             own += (Parameter("further", "", 0.0, 1.0, 0.5, 0.3),)
         return own
@@ -104,6 +127,8 @@ class TransmissionRipple(Term):
         if self.form == TWO:
             amplitude, period, phase, other, its_period, its_phase = values
             return np.array([[1.0, amplitude, phase], [period / its_period, other, its_phase]])
+        if self.form == SWELLING:
+            return swelling(*values)
         told = 1 + len(self.overtones)
         out = np.empty((told + len(self.going_on), 3))
         out[:, 0] = (1.0, *self.overtones, *self.going_on)
@@ -126,6 +151,10 @@ class TransmissionRipple(Term):
         if self.form == TWO:
             first = [p.start for p in self.parameters(around)[:3]]
             return np.array([[*first, *r] for r in rows])
+        if self.form == SWELLING:
+            first = [p.start for p in self.parameters(around)[:3]]
+            slow = np.arange(0.5, SLOWEST, 0.25) / span
+            return np.array([[*first, 0.2, 1.0 / f, 2.0 * p] for f in slow for p in phases])
         for _ in self.overtones:
             rows = [[*r, 0.3 * amplitude, p] for r in rows for p in np.arange(4) * np.pi / 2.0]
         if self.going_on:
@@ -139,6 +168,10 @@ class TransmissionRipple(Term):
         return out
 
     def resized(self, values: np.ndarray, factor: float) -> np.ndarray:
+        if self.form == SWELLING:
+            turned = 0.0 if factor >= 0.0 else np.pi
+            swell = min(abs(factor) * values[3], DEEPEST)
+            return np.array([*values[:3], swell, values[4], values[5] + turned])
         return np.concatenate([values[:3], self.scaled(values[3:], factor)])
 
     def slight(self, values: np.ndarray, around: Surroundings) -> bool:

@@ -163,6 +163,10 @@ class Fit:
     def names(self) -> tuple[str, ...]:
         return tuple(p.term.name for p in self.pieces)
 
+    def without(self, *gone: Piece) -> tuple[Piece, ...]:
+        """Its pieces but for some of them."""
+        return tuple(p for p in self.pieces if not any(p is g for g in gone))
+
     @property
     def slow(self) -> frozenset[str]:
         """The names of its terms that move the zero."""

@@ -136,7 +136,7 @@ def weightier(explanation: Explanation, choice: Choice, structured: float) -> Ch
     left, without = mean_square(explanation, choice), []
     of_force = explanation.problem.derivatives is not None
     for piece in choice.fit.pieces:
-        rest = [p for p in choice.fit.pieces if p is not piece]
+        rest = choice.fit.without(piece)
         fit = improve(evaluate(choice.fit.ground, rest))
         needed = left if piece.term.slow else min(left, structured)
         explained = mean_square(explanation, replace(choice, fit=fit)) - left
@@ -168,7 +168,7 @@ def plainly_told(explanation: Explanation, choice: Choice, noise: float, plainly
     needed = plainly * max(left - noise, rest_of(choice, explanation) ** 2)
     without = []
     for piece in choice.fit.pieces:
-        rest = [p for p in choice.fit.pieces if p is not piece]
+        rest = choice.fit.without(piece)
         fit = improve(evaluate(choice.fit.ground, rest))
         without.append((mean_square(explanation, replace(choice, fit=fit)) - left, fit))
     least, fit = min(without, key=lambda w: w[0], default=(np.inf, choice.fit))

@@ -1,6 +1,7 @@
 """Late frames: samples that show the pose of some samples earlier, now and then or for a while."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.special import bdtrc
@@ -15,6 +16,7 @@ LATEST = 6
 CREDIBLE, TURNS, SETTLED, SELDOM = 3.5, 60, 1e-3, 0.015
 BY_CHANCE, NEARLY_ALL = 1e-4, 0.8
 LEAST, MOST = 0.03, 0.45
+EVIDENCE = 15.0
 SPREAD = 2.0
 
 
@@ -32,15 +34,17 @@ def late_frames(
     than their own, as many would by chance agree with a later one as with an earlier one, which a
     late camera alone shows. Those in a row count once, and are no more than a burst has
     (`longest_burst`): a mechanism that stays behind does so for longer, or again in other cycles.
-    Fewer than LEAST are the tail of the noise.
+    Fewer than LEAST are the tail of the noise; so are any where that alone is about as likely.
     """
     nothing = np.zeros(len(measured), dtype=int)
     off = measured - predicted
     scale = max(robust_deviation(off[train & np.isfinite(off)]), finest)
-    late = shown(measured, predicted, train, scale, finest)
-    if np.mean(late[train] > 0) < LEAST:
+    poses = poses_learnt(measured, predicted, train, scale, finest)
+    late = poses.shown()
+    if np.mean(late[train] > 0) < LEAST or poses.likelier() < EVIDENCE:
         return nothing
-    ahead = shown(measured[::-1], predicted[::-1], train[::-1], scale, finest)[::-1]
+    back = poses_learnt(measured[::-1], predicted[::-1], train[::-1], scale, finest)
+    ahead = back.shown()[::-1]
     longest = longest_burst(cycle)
     known = np.isfinite(off)
     short = (late > 0) & in_short_runs(late > 0, known, longest)
@@ -54,40 +58,82 @@ def late_frames(
     return np.where(short, late, 0)
 
 
-def shown(
-    measured: np.ndarray, predicted: np.ndarray, train: np.ndarray, scale: float, finest: float
-) -> np.ndarray:
-    """How many samples before (n,) the likeliest pose of each is, from 0 to LATEST.
+@dataclass(frozen=True)
+class Poses:
+    """A mixture of Gaussians about the poses of up to LATEST samples before.
 
-    A mixture of Gaussians about these poses: its shares are learnt from `train` by expectation and
-    maximisation (Dempster et al., J. R. Stat. Soc. B 39 (1977) 1), and so are its spread, which
-    begins at `scale`, and what part of a sample all poses are late: a fit has taken that much for
-    a lag. What is near none of the poses was mistaken and is no matter of when.
+    shares: (LATEST + 1,) of samples that show each. shift: what part of a sample all poses are
+    late: a fit has taken that much for a lag. scale: their spread. error: (LATEST + 1, n) of the
+    measurement from each pose. step: (n,) from the pose before. train: (n,) mask of its samples.
+    """
+
+    shares: np.ndarray
+    shift: float
+    scale: float
+    error: np.ndarray
+    step: np.ndarray
+    train: np.ndarray
+
+    @property
+    def left(self) -> np.ndarray:
+        """What each pose leaves of each sample, (LATEST + 1, n)."""
+        return self.error - self.shift * self.step
+
+    @property
+    def near(self) -> np.ndarray:
+        """Mask (n,) of samples near one of the poses; others were mistaken, no matter when."""
+        away = np.abs(self.left)
+        nearest = away.min(axis=0, initial=np.inf, where=np.isfinite(away))
+        return nearest < CREDIBLE * self.scale
+
+    def weights(self, rows: np.ndarray) -> np.ndarray:
+        """Shares times densities at some rows, without 1 / sqrt(2 pi), (LATEST + 1, rows)."""
+        away = self.left[:, rows] / self.scale
+        return self.shares[:, None] * np.exp(-0.5 * away**2) / self.scale
+
+    def likelier(self) -> float:
+        """-2 log likelihood of one Gaussian about the pose itself, less that of the mixture."""
+        rows = self.near & self.train
+        error, step = self.error[0, rows], self.step[rows]
+        slope = float(error @ step) / max(float(step @ step), 1e-300)
+        alone = np.log(max(float(np.mean((error - slope * step) ** 2)), 1e-300)) + 1.0
+        return float(len(error) * alone + 2.0 * np.sum(np.log(self.weights(rows).sum(axis=0))))
+
+    def shown(self) -> np.ndarray:
+        """How many samples before (n,) the likeliest pose of each is, from 0 to LATEST."""
+        rows = np.flatnonzero(self.near)
+        joint = self.weights(rows)
+        out = np.zeros(len(self.step), dtype=int)
+        late = joint[0] < 0.5 * joint.sum(axis=0)
+        out[rows] = np.where(late, 1 + np.argmax(joint[1:], axis=0), 0)
+        return out
+
+
+def poses_learnt(
+    measured: np.ndarray, predicted: np.ndarray, train: np.ndarray, scale: float, finest: float
+) -> Poses:
+    """The mixture that suits the samples of `train` best, begun at a spread of `scale`.
+
+    By expectation and maximisation (Dempster et al., J. R. Stat. Soc. B 39 (1977) 1).
     """
     rows = np.maximum(np.arange(len(measured)) - np.arange(LATEST + 1)[:, None], 0)
-    error = measured - predicted[rows]
-    step = np.diff(predicted, prepend=predicted[:1])
     shares = np.full(LATEST + 1, 0.5 / LATEST)
     shares[0] = 0.5
-    shift = 0.0
+    step = np.diff(predicted, prepend=predicted[:1])
+    poses = Poses(shares, 0.0, scale, measured - predicted[rows], step, train)
     for _ in range(TURNS):
-        left = error - shift * step
-        near = np.abs(left).min(axis=0, initial=np.inf, where=np.isfinite(left)) < CREDIBLE * scale
-        learnt = near & train
-        joint = shares[:, None] * np.exp(-0.5 * (left[:, learnt] / scale) ** 2)
+        learnt = poses.near & train
+        joint = poses.weights(np.flatnonzero(learnt))
         weight = joint / joint.sum(axis=0)
-        last, shares = shares, np.mean(weight, axis=1)
+        last, shares = poses.shares, np.mean(weight, axis=1)
         if shares[0] > 1.0 - SELDOM or np.max(np.abs(shares - last)) < SETTLED:
-            break
-        moved = step[learnt]
-        shift = float(np.sum(weight * error[:, learnt] * moved) / max(np.sum(moved**2), 1e-300))
-        spread = np.sum(weight * (error[:, learnt] - shift * moved) ** 2, axis=0)
+            return replace(poses, shares=shares)
+        moved, error = step[learnt], poses.error[:, learnt]
+        shift = float(np.sum(weight * error * moved) / max(np.sum(moved**2), 1e-300))
+        spread = np.sum(weight * (error - shift * moved) ** 2, axis=0)
         scale = max(float(np.sqrt(np.mean(spread))), finest)
-    left = error - shift * step
-    near = np.abs(left).min(axis=0, initial=np.inf, where=np.isfinite(left)) < CREDIBLE * scale
-    joint = shares[:, None] * np.exp(-0.5 * (np.where(near, left, 0.0) / scale) ** 2)
-    late = near & (joint[0] < 0.5 * joint.sum(axis=0))
-    return np.where(late, 1 + np.argmax(joint[1:], axis=0), 0)
+        poses = replace(poses, shares=shares, shift=shift, scale=scale)
+    return poses
 
 
 def again(some: np.ndarray, repeats: Sequence[np.ndarray]) -> bool:

@@ -123,6 +123,16 @@ class Search:
         """About the score that a fit will have, before it has its own noise."""
         return min(self.scored(fit, p) for p in {place, (place[0], 0, 0)})
 
+    def may_beat(self, choice: Choice, fit: Fit) -> bool:
+        """Whether a fit, once it has its own noise, may be better than a choice."""
+        return choice.score - self.hoped(fit, choice.place) > -FAINT
+
+    def better(self, choice: Choice, fit: Fit) -> Choice:
+        """The choice, or what a fit comes to with its own noise, if that is better."""
+        if not self.may_beat(choice, fit):
+            return choice
+        return min(choice, self.weighed(fit, choice.place), key=lambda c: c.score)
+
     def scored(self, fit: Fit, place: Place) -> float:
         """The score of a fit's residual under the noise of a place."""
         ground = fit.ground

@@ -32,7 +32,7 @@ def offered(fit: Fit, piece: Piece) -> dict[Key, list[list[Piece]]]:
     """What may stand in the place of a piece beside the others: starts by the terms taken up."""
     problem = fit.ground.problem
     seen = problem.motion, problem.around
-    rest = [p for p in fit.pieces if p is not piece]
+    rest = fit.without(piece)
     found: dict[Key, list[list[Piece]]] = {}
     for told in piece.term.instead(piece.values, *seen):
         new = [Piece(term, clipped(fit, term, values)) for term, values in told]

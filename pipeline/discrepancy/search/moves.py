@@ -7,7 +7,6 @@ from pipeline.discrepancy.fitting.fit import ITERATIONS, Fit, evaluate, improve
 from pipeline.discrepancy.fitting.reform import reformed
 from pipeline.discrepancy.fitting.screen import late, screen, started
 from pipeline.discrepancy.search.choose import (
-    FAINT,
     MOST_TERMS,
     Choice,
     Search,
@@ -38,9 +37,7 @@ def unpromised(search: Search, choice: Choice) -> Choice:
     if not fit.pieces:
         return choice
     best = begun_with(search, fit, bends)
-    if choice.score - search.hoped(best, choice.place) <= -FAINT:
-        return choice
-    return min(choice, search.weighed(improve(best, 8), choice.place), key=lambda c: c.score)
+    return search.better(choice, improve(best, 8)) if search.may_beat(choice, best) else choice
 
 
 def recurved(search: Search, choice: Choice) -> Choice:
@@ -52,13 +49,11 @@ def recurved(search: Search, choice: Choice) -> Choice:
     """
     found, curved = choice, [p for p in choice.fit.pieces if curves(p.term)]
     for left_out in (*combinations(curved, 1), *combinations(curved, 2)):
-        rest = [p for p in choice.fit.pieces if not any(p is q for q in left_out)]
+        rest = choice.fit.without(*left_out)
         fit = evaluate(choice.fit.ground, rest)
         gone = {(p.term.name, p.term.form) for p in left_out}
         others = [t for t in search.terms if curves(t) and (t.name, t.form) not in gone]
-        best = improve(begun_with(search, fit, others), 2 * ITERATIONS)
-        if choice.score - search.hoped(best, choice.place) > -FAINT:
-            found = min(found, search.weighed(best, choice.place), key=lambda c: c.score)
+        found = search.better(found, improve(begun_with(search, fit, others), 2 * ITERATIONS))
     return found
 
 
@@ -78,13 +73,11 @@ def parted(search: Search, choice: Choice) -> Choice:
     for place, piece in enumerate(fit.pieces):
         if not curves(piece.term):
             continue
-        rest = evaluate(fit.ground, [p for p in fit.pieces if p is not piece])
+        rest = evaluate(fit.ground, fit.without(piece))
         alone = begun_with(search, rest, slack, [reformed(fit, place, t) for t in driven])
         both = begun_with(search, alone, bends) if len(fit.pieces) < MOST_TERMS else alone
         for trial in {id(t): t for t in (alone, both)}.values():
-            best = improve(trial, 2 * ITERATIONS)
-            if choice.score - search.hoped(best, choice.place) > -FAINT:
-                found = min(found, search.weighed(best, choice.place), key=lambda c: c.score)
+            found = search.better(found, improve(trial, 2 * ITERATIONS))
     return found
 
 

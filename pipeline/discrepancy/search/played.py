@@ -5,7 +5,7 @@ from itertools import combinations, product
 from pipeline.discrepancy.fitting.fit import evaluate, improve
 from pipeline.discrepancy.fitting.reform import reformed
 from pipeline.discrepancy.fitting.screen import late
-from pipeline.discrepancy.search.choose import FAINT, Choice, Search, excludes
+from pipeline.discrepancy.search.choose import Choice, Search, excludes
 from pipeline.discrepancy.search.moves import curves
 from pipeline.physics.backlash import Backlash
 from pipeline.physics.mechanism import Piece
@@ -29,7 +29,7 @@ def played(search: Search, choice: Choice) -> Choice:
     behind = late(choice.fit)
     bent = [p for p in choice.fit.pieces if curves(p.term)]
     for gone in (*combinations(behind, 1), *combinations(bent, 1), *product(behind, bent)):
-        rest = [p for p in choice.fit.pieces if not any(p is q for q in gone)]
+        rest = choice.fit.without(*gone)
         if any(excludes(PLAY, p.term) for p in rest):
             continue
         starts = [Piece(PLAY, v) for v in PLAY.candidates(motion, around)]
@@ -37,6 +37,5 @@ def played(search: Search, choice: Choice) -> Choice:
         plain = improve(plain, BEGUN)
         trials = [reformed(plain, len(rest), form) for form in forms]
         best = min(trials, key=lambda t: search.hoped(t, choice.place))
-        if choice.score - search.hoped(best, choice.place) > -FAINT:
-            found = min(found, search.weighed(best, choice.place), key=lambda c: c.score)
+        found = search.better(found, best)
     return found

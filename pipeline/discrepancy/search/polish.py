@@ -14,6 +14,7 @@ from pipeline.discrepancy.search.elsewhere import Key, freed
 from pipeline.discrepancy.search.exchange import exchanged
 from pipeline.discrepancy.search.moves import merged, parted, recurved, sheathed, unpromised
 from pipeline.discrepancy.search.played import played
+from pipeline.discrepancy.search.queued import queued
 from pipeline.discrepancy.search.stepped import stepped
 
 WORTH, ROUNDS = 150.0, 6
@@ -48,7 +49,7 @@ def _polished(search: Search, choices: list[Choice]) -> list[Choice]:
         if richest is not best:
             found[richest.fit.key] = best = richest
         for piece in best.fit.pieces:
-            rest = [p for p in best.fit.pieces if p is not piece]
+            rest = best.fit.without(piece)
             key = frozenset((p.term.name, p.term.form) for p in rest)
             if key in tried:
                 continue
@@ -66,7 +67,7 @@ def _polished(search: Search, choices: list[Choice]) -> list[Choice]:
                     found[child.fit.key] = child
         before, best = best, min(found.values(), key=lambda c: c.score)
         if before.score - best.score < SAME:
-            moves = (unpromised, stepped, recurved, played, parted)
+            moves = (unpromised, stepped, recurved, played, parted, queued)
             further = [*(move(search, best) for move in moves), *furthered(search, best)]
             more = min(further, key=lambda c: c.score)
             if more.score < best.score:
@@ -93,7 +94,7 @@ def furthered(search: Search, choice: Choice) -> list[Choice]:
 def thinned(search: Search, choice: Choice) -> Choice:
     """The choice without the terms that earn nothing any more beside the others."""
     for piece in choice.fit.pieces:
-        rest = [p for p in choice.fit.pieces if p is not piece]
+        rest = choice.fit.without(piece)
         fewer = search.weighed(improve(evaluate(choice.fit.ground, rest)), choice.place)
         if fewer.score < choice.score:
             return thinned(search, fewer)

@@ -29,7 +29,7 @@ def swinging(search: Search, choices: list[Choice]) -> list[Choice]:
     if not (known and resolved and unsure(search, best)) or lagging:
         return choices
     behind = late(best.fit)
-    rest = tuple(p for p in best.fit.pieces if not any(p is q for q in behind))
+    rest = best.fit.without(*behind)
     for beside in (rest, best.fit.pieces)[: 1 + bool(behind)]:
         swung = search.weighed(begun(best.fit.ground, beside), best.place)
         found = [swung, *extended(search, swung)] if len(beside) < MOST_TERMS else [swung]

@@ -1,0 +1,116 @@
+"""Frames from a queue at once: what comes late by more and more until it is not, again and again.
+
+A mean lag, play or friction takes half of it; from that no step leads to the queue's rhythm.
+"""
+
+from collections.abc import Iterable
+
+import numpy as np
+from scipy.optimize import minimize
+
+from pipeline.discrepancy.fitting.fit import Fit, evaluate, improve
+from pipeline.discrepancy.fitting.screen import late
+from pipeline.discrepancy.search.choose import Choice, Search, excludes
+from pipeline.physics.catalogue import QUEUE
+from pipeline.physics.frame_lag import FrameLag
+from pipeline.physics.mechanism import Piece
+from pipeline.physics.queued_frames import LONGEST, SHORTEST
+
+COARSE, FINE = (24, 0.2), (120, 0.02)
+BEGUN, TRIED, PROMISES = 4, 100, 40.0
+RISES, FLOORS = (0.5, 0.7, 1.0, 1.3), (0.0, 0.15, 0.3, 0.6, 1.0)
+WAYS = (1.0, -1.0, 3.0)
+
+
+def queued(search: Search, choice: Choice) -> Choice:
+    """The choice with frames from a queue in place of what comes late, if that is better.
+
+    In place of one such thing, of all and of what moves the zero, or of a whole pile that mops up.
+    """
+    found, problem, pieces = choice, choice.fit.ground.problem, choice.fit.pieces
+    known = any(t.name == FrameLag.name for t in search.terms)
+    if not (known and QUEUE.excited(problem.motion, problem.around)):
+        return choice
+    behind = late(choice.fit)
+    mopping = [p for p in pieces if p.term.slow or any(p is b for b in behind)]
+    piles = [p for p in (mopping, pieces) if len(p) > 1] if behind else []
+    for gone in (*([p] for p in behind), *piles):
+        rest = choice.fit.without(*gone)
+        if any(excludes(QUEUE, p.term) for p in rest):
+            continue
+        fit = evaluate(choice.fit.ground, rest)
+        few, gain = rhythms(fit)
+        if gain > fit.cost - choice.fit.cost + PROMISES:
+            trials = [settled(fit, values) for values in refined(fit, few)]
+            best = min(trials, key=lambda t: t.cost)
+            found = search.better(found, improve(best, 8))
+    return found
+
+
+def rhythms(fit: Fit) -> tuple[list[list[float]], float]:
+    """The likeliest queues beside a fit, as `folded`, and what the first explains [noise]."""
+    count, (parts, apart) = len(fit.predicted), COARSE
+    few = folded(fit, np.arange(count / LONGEST, count / SHORTEST, apart), parts)[:BEGUN]
+    return few, few[0][0] / fit.ground.noise.deviation**2
+
+
+def refined(fit: Fit, few: list[list[float]]) -> np.ndarray:
+    """Parameters of queues (k, 4) whose periods are near those of some, found on a finer grid."""
+    parts, apart = FINE
+    near = np.arange(-COARSE[1], COARSE[1], apart)
+    best = [folded(fit, len(fit.predicted) / row[2] + near, parts)[0][1:] for row in few]
+    box = fit.ground.box(QUEUE)
+    return np.clip(np.unique(best, axis=0), box.low, box.high)
+
+
+def folded(fit: Fit, often: Iterable[float], parts: int) -> list[list[float]]:
+    """Gain, rise, period, turn and floor of the best queue of each frequency, the best first.
+
+    A frame that is late by l samples is off by about -l times the step to its pose. Folded by a
+    period, the lags of each of some parts of it are regressed, by weighted least squares, on a
+    sawtooth that begins anew at one of these parts. often: periods in the whole recording.
+    """
+    ground, predicted = fit.ground, fit.predicted
+    step = np.diff(predicted, prepend=predicted[:1])
+    off = ground.problem.measured - predicted
+    rows = np.flatnonzero(ground.used & np.isfinite(off) & (step != 0.0))
+    weight, moved = step[rows] ** 2, -off[rows] * step[rows]
+    saw = (np.arange(parts) + 0.5 - np.arange(parts)[:, None]) % parts / parts
+    found = []
+    for frequency in np.asarray(often) / len(step):
+        part = (rows * frequency % 1.0 * parts).astype(int)
+        w, y = np.bincount(part, weight, parts), np.bincount(part, moved, parts)
+        mean, lag = saw @ w / w.sum(), y.sum() / w.sum()
+        spread = np.maximum(saw**2 @ w - mean**2 * w.sum(), 1e-12 * w.sum())
+        rise = (saw @ y - mean * y.sum()) / spread
+        gain = np.where(rise > 0.0, rise**2 * spread, 0.0)
+        best = int(np.argmax(gain))
+        floor = max((lag - rise[best] * mean[best]) / max(rise[best], 1e-9), 0.0)
+        total = float(gain[best] + lag**2 * w.sum())
+        found.append([total, rise[best], 1.0 / frequency, 1.0 - best / parts, floor])
+    return sorted(found, reverse=True)
+
+
+def settled(fit: Fit, values: np.ndarray) -> Fit:
+    """The fit with a queue besides, in the rhythm of some parameters, (4,).
+
+    Whole frames have no slopes: by the simplex (Nelder and Mead, Computer J. 7 (1965) 308), begun
+    there and from the best of a few shapes.
+    """
+    box, (rise, every, turn, _) = fit.ground.box(QUEUE), values
+
+    def tried(v: np.ndarray) -> Fit:
+        piece = Piece(QUEUE, np.clip(v, box.low, box.high))
+        return evaluate(fit.ground, (*fit.pieces, piece))
+
+    shapes = np.array([[rise * r, every, turn, floor] for r in RISES for floor in FLOORS])
+    sizes = np.diag([0.3, 0.02 * every**2 / len(fit.predicted), 0.01, 0.1])
+    ends = []
+    for start in (values, min(shapes, key=lambda v: tried(v).cost)):
+        for way in WAYS:
+            simplex = np.vstack([start, start + way * sizes])
+            options = {"initial_simplex": simplex, "maxfev": TRIED, "xatol": 1e-3, "fatol": 0.5}
+            found = minimize(lambda v: tried(v).cost, start, method="Nelder-Mead", options=options)
+            start = found.x
+        ends.append(tried(start))
+    return min(ends, key=lambda t: t.cost)
