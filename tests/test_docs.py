@@ -7,6 +7,7 @@ import pytest
 
 from pipeline.physics.catalogue import (
     MEANINGS,
+    QUEUE,
     RECURRING,
     WORN,
     force_terms,
@@ -53,7 +54,7 @@ def test_the_catalogues_page_has_every_name_with_its_site_and_meaning(one: Term)
 
 @pytest.mark.parametrize(
     "one",
-    [t for t in with_richer((*terms(["CHANNEL"]), WORN, *RECURRING)) if t.form],
+    [t for t in with_richer((*terms(["CHANNEL"]), WORN, QUEUE, *RECURRING)) if t.form],
     ids=lambda t: f"{t.name}/{t.form}",
 )
 def test_the_catalogues_page_has_every_form_of_what_moves(one: Term) -> None:

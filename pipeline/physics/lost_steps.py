@@ -1,5 +1,6 @@
 """Lost steps: the shaft slips at a moment, a jump of the zero."""
 
+from itertools import pairwise
 from typing import ClassVar
 
 import numpy as np
@@ -17,8 +18,16 @@ BEHIND = {
 }
 
 
+TIMES = {"once": 1, "twice": 2, "thrice": 3, "fourfold": 4}
+TAILS = ("", "_2", "_3", "_4")
+FOLLOWS_WALKS = 4.0
+
+
 class LostSteps(Term):
-    """x(t) = u(t) + jump * [t >= time]; jump [drive unit], time [s]; in form "twice" two of these.
+    """x(t) = u(t) + jump * [t >= time]; jump [drive unit], time [s]; "twice" two of these.
+
+    Forms "thrice" and "fourfold" have as many: a belt that skips teeth now and then. So many follow
+    much of what wanders, too, and are that less likely.
 
     The motor's count no longer belongs to the shaft's angle: a stepper that loses steps, a coupling
     or a set screw that slips. In the forms "behind ripple" and "behind play" the wire slips on its
@@ -30,17 +39,21 @@ class LostSteps(Term):
     before_curve = True
     slow = True
     unlikely = 3.0
-    grows: ClassVar = {f"once{place}": (f"twice{place}",) for place in ("", *BEHIND)}
+    grows: ClassVar = {
+        f"{form}{place}": (f"{more}{place}",)
+        for form, more in pairwise(TIMES)
+        for place in ("", *BEHIND)
+    }
     means = "the shaft slips at a moment: a jump of the zero"
     says = "The shaft slipped by {jump} at {time}, and its zero has been off since."
-    says_twice = "The shaft slipped by {jump} at {time} and by {jump_2} at {time_2}."
 
     def __init__(self, form: str = "once") -> None:
         self.form = form
         times, *behind = form.split(" ", 1)
         self.only_beside, self.place = BEHIND[f" {behind[0]}"] if behind else ("", 10.0)
-        self.times = 2 if times == "twice" else 1
-        self.scanned = self.times == 2
+        self.times = TIMES[times]
+        self.scanned = self.times > 1
+        self.unlikely = LostSteps.unlikely + FOLLOWS_WALKS * max(self.times - 2, 0)
 
     @property
     def in_usual_order(self) -> str:
@@ -57,7 +70,7 @@ class LostSteps(Term):
         span = around.drive_span
         return tuple(
             p
-            for tail in ("", "_2")[: self.times]
+            for tail in TAILS[: self.times]
             for p in (
                 Parameter(f"jump{tail}", around.drive_unit, -span, span, 0.03 * span, 0.03 * span),
                 Parameter(
@@ -82,11 +95,11 @@ class LostSteps(Term):
         size = 0.01 * around.drive_span
         if self.times == 1:
             return np.column_stack([np.full(len(times_s), size), times_s])
-        first = [size, 0.5 * (around.start_s + around.end_s)]
+        first = [size, 0.5 * (around.start_s + around.end_s)] * (self.times - 1)
         return np.array([[*first, size, t] for t in times_s])
 
     def resized(self, values: np.ndarray, factor: float) -> np.ndarray:
-        return values * [1.0, 1.0, factor, 1.0]
+        return np.array([*values[:-2], factor * values[-2], values[-1]])
 
     def excited(self, motion: Motion, around: Surroundings) -> bool:
         return len(motion) > 20
@@ -96,5 +109,8 @@ class LostSteps(Term):
             p.name: f"{worded(abs(v))} {p.unit}"
             for p, v in zip(self.parameters(around), values, strict=True)
         }
-        told = (self.says if self.times == 1 else self.says_twice).format(**named)
+        told = self.says.format(**named)
+        if self.times > 1:
+            jumps = [f"by {named[f'jump{t}']} at {named[f'time{t}']}" for t in TAILS[: self.times]]
+            told = f"The shaft slipped {', '.join(jumps[:-1])} and {jumps[-1]}."
         return told.replace("The shaft", "The wire on its pulley") if self.only_beside else told

@@ -16,6 +16,7 @@ OVERTONES = {"second": (2,), "third": (3,), "both": (2, 3), "odd": (3,), "all": 
 EDGES = 3.0
 TWO, APART = "two afloat", 1.5
 SWELLING, DEEPEST, SLOWEST = "swelling afloat", 0.95, 3.0
+ECCENTRIC, FARTHEST, CENTRED = "eccentric afloat", 0.9, 1e-6
 GOING_ON = {"odd": (5, 7, 9), "all": (4, 5, 6, 7, 8)}
 
 
@@ -44,6 +45,17 @@ def swelling(
     )
 
 
+def off_centre(
+    drive: np.ndarray, amplitude: float, period: float, phase: float, eccentricity: float
+) -> np.ndarray:
+    """How far a wheel runs ahead that turns about a point off its centre, (n,)."""
+    turned = 2.0 * np.pi * drive / period + phase
+    aside, along = eccentricity * np.sin(turned), 1.0 - eccentricity * np.cos(turned)
+    if abs(eccentricity) < CENTRED:
+        return np.asarray(amplitude * np.sin(turned))
+    return np.asarray(amplitude / eccentricity * np.arctan2(aside, along))
+
+
 class TransmissionRipple(Term):
     """x = u + a (sin(2 pi u / period + phase) - sin(phase)): the error counts from drive 0.
 
@@ -54,6 +66,8 @@ class TransmissionRipple(Term):
     on, each `further` times the one before and as far ahead of it in phase, as what snaps over has
     them: teeth that seat, a wave with edges. In the form "two afloat" two waves, each of a period
     of its own: the teeth of a gear and the pulley that it turns, or the gears of two stages. In the
+    form "eccentric afloat" a wheel turns about a point off its centre: amplitude / eccentricity
+    atan2(eccentricity sin a, 1 - eccentricity cos a), a = 2 pi u / period + phase. In the
     form "swelling afloat" teeth that run out of true: a (1 + swell sin(2 pi u / swell_period +
     swell_phase)) sin(2 pi u / period + phase).
     A period that the drive does not run through at least once and a third is no ripple to be seen,
@@ -70,8 +84,16 @@ class TransmissionRipple(Term):
     periodic = True
     before_curve = True
     grows: ClassVar = {
-        "first": ("first afloat", "second", "second afloat", "third afloat", TWO, SWELLING),
-        "first afloat": ("second afloat", "third afloat", TWO, SWELLING),
+        "first": (
+            "first afloat",
+            "second",
+            "second afloat",
+            "third afloat",
+            TWO,
+            SWELLING,
+            ECCENTRIC,
+        ),
+        "first afloat": ("second afloat", "third afloat", TWO, SWELLING, ECCENTRIC),
         "second": ("second afloat", "both afloat", TWO),
         "second afloat": ("both afloat", TWO),
         "third afloat": ("both afloat", "odd afloat", TWO),
@@ -109,6 +131,8 @@ class TransmissionRipple(Term):
                 Parameter("swell_period", unit, 0.2 * span, 2.0 * span, 0.5 * span, 0.0),
                 Parameter("swell_phase", "rad", -4.0 * np.pi, 4.0 * np.pi, 0.0, 0.0),
             )
+        if self.form == ECCENTRIC:
+            own += (Parameter("eccentricity", "", -FARTHEST, FARTHEST, 0.3, 0.3),)
         if self.going_on:
             own += (Parameter("further", "", 0.0, 1.0, 0.5, 0.3),)
         return own
@@ -116,6 +140,8 @@ class TransmissionRipple(Term):
     def respond(
         self, signal: np.ndarray, motion: Motion, values: np.ndarray, state: np.ndarray | None
     ) -> tuple[np.ndarray, np.ndarray]:
+        if self.form == ECCENTRIC:
+            return signal + off_centre(signal, *values), NO_STATE
         waves = self.waves(values)
         out = rippled(np.ascontiguousarray(signal), 2.0 * np.pi / values[1], waves)
         if "afloat" not in self.form:
@@ -155,6 +181,8 @@ class TransmissionRipple(Term):
             first = [p.start for p in self.parameters(around)[:3]]
             slow = np.arange(0.5, SLOWEST, 0.25) / span
             return np.array([[*first, 0.2, 1.0 / f, 2.0 * p] for f in slow for p in phases])
+        if self.form == ECCENTRIC:
+            return np.array([[*r, e] for r in rows for e in (-0.3, 0.3)])
         for _ in self.overtones:
             rows = [[*r, 0.3 * amplitude, p] for r in rows for p in np.arange(4) * np.pi / 2.0]
         if self.going_on:

@@ -63,6 +63,14 @@ def test_what_is_no_late_frame_is_none(off: np.ndarray) -> None:
     assert not found(off).any()
 
 
+@pytest.mark.parametrize("steps", [0.8, 1.0, 1.5, 2.0])
+def test_noise_of_about_a_step_is_no_late_frame(steps: float) -> None:
+    rng = np.random.default_rng(6)
+    for _ in range(20):
+        noisy = POSE + rng.standard_normal(N) / steps
+        assert not late_frames(noisy, POSE, EVERY, 1e-9, CYCLE).any()
+
+
 def test_what_lags_at_the_same_steps_of_each_cycle_is_the_mechanism() -> None:
     by = np.where(np.isin(np.arange(N) % ROWS, np.arange(60, 140, 6)), 3, 0)
     assert found(behind(by)).any()

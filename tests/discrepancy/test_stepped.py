@@ -5,7 +5,7 @@ import pytest
 
 from pipeline.discrepancy.fitting.fit import evaluate, ground_of
 from pipeline.discrepancy.search.choose import names
-from pipeline.discrepancy.search.stepped import stepped, two_steps
+from pipeline.discrepancy.search.stepped import stepped, steps
 from pipeline.physics.catalogue import term
 from pipeline.physics.mechanism import Piece
 from tests.discrepancy.made import ANGLE, changed, explained, recorded
@@ -37,9 +37,18 @@ def test_a_slip_that_is_taken_back_is_told_in_place_of_a_zero_that_walks(found, 
 
 
 def test_the_two_slips_begin_where_the_zero_moved(play):
-    jump, time_s, back, later_s = two_steps(play)
+    jump, time_s, back, later_s = steps(play, 2)
     assert (time_s, later_s) == pytest.approx((700.0, 1500.0), abs=60.0)
     assert (jump, back) == pytest.approx((1.1, -1.0), abs=0.3)
+
+
+def test_teeth_that_a_belt_skips_now_and_then_are_told():
+    skips = {"jump": 1.5, "time": 500.0, "jump_2": -1.5, "time_2": 1150.0}
+    skips |= {"jump_3": -1.5, "time_3": 1900.0}
+    best = explained(recorded({"lost_steps/thrice": skips}, cycles=9)).choices[0]
+    (piece,) = best.fit.pieces
+    assert (piece.term.name, piece.term.form) == ("lost_steps", "thrice")
+    np.testing.assert_allclose(piece.values, list(skips.values()), rtol=0.1)
 
 
 @pytest.mark.parametrize(("form", "jump"), [("every top", 0.5), ("every bottom", -0.5)])

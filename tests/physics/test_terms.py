@@ -7,6 +7,7 @@ import pytest
 
 from pipeline.physics.catalogue import (
     MEANINGS,
+    QUEUE,
     RECURRING,
     WORN,
     force_terms,
@@ -21,7 +22,7 @@ from pipeline.physics.term import LAST, Surroundings, Term, TermError, values_of
 
 OTHER = "yaw_command_deg"
 CURVE = CubicCurve(0.7, 1e-5)
-EVERY = [*with_richer(terms([OTHER])), WORN, *RECURRING]
+EVERY = [*with_richer(terms([OTHER])), WORN, QUEUE, *RECURRING]
 
 
 def triangle(cycles: int = 3, amplitude: float = 60.0, steps: int = 200) -> Motion:

@@ -25,12 +25,12 @@ def settle_moments(fit: Fit) -> Fit:
 
 
 def in_order(fit: Fit) -> Fit:
-    """The fit with two slips of one piece told in the order of their times."""
+    """The fit with the slips of one piece told in the order of their times."""
     pieces = list(fit.pieces)
     for i, piece in enumerate(pieces):
         pairs = piece.values.reshape(-1, 2) if len(moments_of(fit, piece)) > 1 else piece.values[:0]
-        if len(pairs) and pairs[0, 1] > pairs[1, 1]:
-            pieces[i] = Piece(piece.term, pairs[::-1].ravel())
+        if len(pairs) and np.any(np.diff(pairs[:, 1]) < 0.0):
+            pieces[i] = Piece(piece.term, pairs[np.argsort(pairs[:, 1])].ravel())
     swapped = any(new is not old for new, old in zip(pieces, fit.pieces, strict=True))
     return evaluate(fit.ground, pieces) if swapped else fit
 

@@ -22,9 +22,11 @@ from pipeline.physics.response_lag import ResponseLag
 from pipeline.physics.slack import Slack
 from pipeline.physics.stiffness import Stiffness
 from pipeline.physics.term import Term
+from pipeline.physics.transmission_ripple import ECCENTRIC, TransmissionRipple
 
 SHEATH = CapstanFriction("pretensioned")
 SPRING = Stiffness()
+OFF_CENTRE = TransmissionRipple(ECCENTRIC)
 
 
 def unpromised(search: Search, choice: Choice) -> Choice:
@@ -45,7 +47,8 @@ def recurved(search: Search, choice: Choice) -> Choice:
 
     Two together come near what one draws, be it another bend or what neither resembles: beside the
     other of the two it gains little. And without a bend the other terms go astray before another
-    takes its place; so they stay as they are until it has.
+    takes its place; so they stay as they are until it has. Nor is a plain ripple on the way from it
+    and a bend beside it to the wheel off its centre that both together draw.
     """
     found, curved = choice, [p for p in choice.fit.pieces if curves(p.term)]
     for left_out in (*combinations(curved, 1), *combinations(curved, 2)):
@@ -54,6 +57,9 @@ def recurved(search: Search, choice: Choice) -> Choice:
         gone = {(p.term.name, p.term.form) for p in left_out}
         others = [t for t in search.terms if curves(t) and (t.name, t.form) not in gone]
         found = search.better(found, improve(begun_with(search, fit, others), 2 * ITERATIONS))
+        turning = [k for k, p in enumerate(rest) if p.term.periodic and p.term.form != ECCENTRIC]
+        if turning:
+            found = search.better(found, reformed(improve(fit), turning[0], OFF_CENTRE))
     return found
 
 

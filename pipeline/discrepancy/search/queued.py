@@ -17,7 +17,7 @@ from pipeline.physics.mechanism import Piece
 from pipeline.physics.queued_frames import LONGEST, SHORTEST
 
 COARSE, FINE = (24, 0.2), (120, 0.02)
-BEGUN, TRIED, PROMISES = 4, 100, 40.0
+BEGUN, TRIED, PROMISES, LAGGARD = 4, 100, 40.0, 0.3
 RISES, FLOORS = (0.5, 0.7, 1.0, 1.3), (0.0, 0.15, 0.3, 0.6, 1.0)
 WAYS = (1.0, -1.0, 3.0)
 
@@ -40,10 +40,12 @@ def queued(search: Search, choice: Choice) -> Choice:
             continue
         fit = evaluate(choice.fit.ground, rest)
         few, gain = rhythms(fit)
-        if gain > fit.cost - choice.fit.cost + PROMISES:
-            trials = [settled(fit, values) for values in refined(fit, few)]
+        told = fit.cost - choice.fit.cost
+        if gain > told + PROMISES:
+            most = choice.fit.cost + LAGGARD * told
+            trials = [settled(fit, values, most) for values in refined(fit, few)]
             best = min(trials, key=lambda t: t.cost)
-            found = search.better(found, improve(best, 8))
+            found = search.better(found, improve(best, 8)) if best.cost < most else found
     return found
 
 
@@ -91,11 +93,12 @@ def folded(fit: Fit, often: Iterable[float], parts: int) -> list[list[float]]:
     return sorted(found, reverse=True)
 
 
-def settled(fit: Fit, values: np.ndarray) -> Fit:
+def settled(fit: Fit, values: np.ndarray, most: float) -> Fit:
     """The fit with a queue besides, in the rhythm of some parameters, (4,).
 
     Whole frames have no slopes: by the simplex (Nelder and Mead, Computer J. 7 (1965) 308), begun
-    there and from the best of a few shapes.
+    there or from a shape that is better, and again from where it ended. A cost above `most` after
+    the first time is left at that.
     """
     box, (rise, every, turn, _) = fit.ground.box(QUEUE), values
 
@@ -103,14 +106,15 @@ def settled(fit: Fit, values: np.ndarray) -> Fit:
         piece = Piece(QUEUE, np.clip(v, box.low, box.high))
         return evaluate(fit.ground, (*fit.pieces, piece))
 
-    shapes = np.array([[rise * r, every, turn, floor] for r in RISES for floor in FLOORS])
+    shapes = [values, *([rise * r, every, turn, floor] for r in RISES for floor in FLOORS)]
+    best = min((tried(np.array(shape)) for shape in shapes), key=lambda t: t.cost)
     sizes = np.diag([0.3, 0.02 * every**2 / len(fit.predicted), 0.01, 0.1])
-    ends = []
-    for start in (values, min(shapes, key=lambda v: tried(v).cost)):
-        for way in WAYS:
-            simplex = np.vstack([start, start + way * sizes])
-            options = {"initial_simplex": simplex, "maxfev": TRIED, "xatol": 1e-3, "fatol": 0.5}
-            found = minimize(lambda v: tried(v).cost, start, method="Nelder-Mead", options=options)
-            start = found.x
-        ends.append(tried(start))
-    return min(ends, key=lambda t: t.cost)
+    for way in WAYS:
+        start = best.pieces[-1].values
+        simplex = np.vstack([start, start + way * sizes])
+        options = {"initial_simplex": simplex, "maxfev": TRIED, "xatol": 1e-3, "fatol": 0.5}
+        found = minimize(lambda v: tried(v).cost, start, method="Nelder-Mead", options=options)
+        best = min(best, tried(found.x), key=lambda t: t.cost)
+        if best.cost > most:
+            break
+    return best

@@ -1,5 +1,7 @@
 """Slips at once: what noise that walks or jitters much may be instead."""
 
+from itertools import pairwise
+
 import numpy as np
 
 from pipeline.discrepancy.fitting.fit import Fit, evaluate, improve
@@ -9,9 +11,9 @@ from pipeline.physics.catalogue import RECURRING
 from pipeline.physics.lost_steps import LostSteps
 from pipeline.physics.mechanism import Piece
 
-SLIPS = LostSteps("twice")
+SLIPS = [LostSteps(form) for form in ("twice", "thrice", "fourfold")]
 USUAL_JITTER = 3
-MOMENTS, BEGUN = 150, 2
+MOMENTS, SHORTEST, BEGUN = 150, 4, 2
 
 
 def stepped(search: Search, choice: Choice) -> Choice:
@@ -24,40 +26,46 @@ def stepped(search: Search, choice: Choice) -> Choice:
     _, jitter, walk = choice.place
     rest = [p for p in choice.fit.pieces if not p.term.slow]
     restless = walk > 0 or jitter > USUAL_JITTER or len(rest) < len(choice.fit.pieces)
-    known = any(t.name == SLIPS.name for t in search.terms)
+    known = any(t.name == LostSteps.name for t in search.terms)
     if not (restless and known) or len(rest) >= MOST_TERMS or search.family.prior.repeats == 0:
         return choice
     still, place = search.stilled(evaluate(choice.fit.ground, rest), choice.place, 4)
     motion, around = still.ground.problem.motion, still.ground.problem.around
-    slips = [Piece(SLIPS, two_steps(still))]
+    slips = [Piece(slip, steps(still, slip.times)) for slip in SLIPS]
     slips += [Piece(t, v) for t in RECURRING for v in t.candidates(motion, around)]
     trials = [improve(evaluate(still.ground, [*still.pieces, s]), BEGUN) for s in slips]
     best = {t.key: t for t in sorted(trials, key=lambda t: -t.cost)}.values()
-    fit = min((settle_moments(improve(t)) for t in best), key=lambda t: t.cost)
+    fit = min((settle_moments(improve(t)) for t in best), key=lambda t: search.hoped(t, place))
     if search.hoped(fit, place) > search.hoped(still, place) - FAINT:
         return choice
     return min(choice, search.weighed(fit, place), key=lambda c: c.score)
 
 
-def two_steps(fit: Fit) -> np.ndarray:
-    """Jump and time of the two slips that leave least of a fit's residual, (4,).
+def steps(fit: Fit, count: int) -> np.ndarray:
+    """Jump and time of the `count` slips that leave least of a fit's residual, (2 count,).
 
-    Between them it has three levels; of all pairs of MOMENTS rows those count that explain the
-    largest sum of squares.
+    Between them it has levels; of all sets of MOMENTS rows that one counts that explains the
+    largest sum of squares, found by dynamic programming (Bellman, Comm. ACM 4 (1961) 284).
     """
     ground = fit.ground
     rows = np.flatnonzero(ground.used)
     left = (ground.problem.measured - fit.predicted)[rows]
     sums = np.concatenate([[0.0], np.cumsum(left - left.mean())])
-    ends = np.unique(np.linspace(4, len(rows) - 4, MOMENTS).astype(int))
-    at, first, second = sums[ends], ends[:, None], ends[None, :]
-    between = np.maximum(second - first, 1)
-    told = at[:, None] ** 2 / first + (at[None, :] - at[:, None]) ** 2 / between
-    told += at[None, :] ** 2 / (len(rows) - second)
-    one, two = np.unravel_index(np.argmax(np.where(second > first, told, 0.0)), told.shape)
-    i, j = int(ends[one]), int(ends[two])
-    levels = np.array([left[:i].mean(), left[i:j].mean(), left[j:].mean()])
+    ends = np.unique(np.linspace(0, len(rows), MOMENTS).astype(int))
+    long = ends[None, :] - ends[:, None]
+    told = (sums[ends][None, :] - sums[ends][:, None]) ** 2 / np.maximum(long, 1)
+    told[long < SHORTEST] = -np.inf
+    best, before = told[0], []
+    for _ in range(count):
+        through = best[:, None] + told
+        before.append(np.argmax(through, axis=0))
+        best = through.max(axis=0)
+    at = [len(ends) - 1]
+    for last in before[::-1]:
+        at.append(int(last[at[-1]]))
+    bounds = [0, *ends[at[:0:-1]], len(rows)]
+    levels = [left[i:j].mean() for i, j in pairwise(bounds)]
     slope = ground.problem.curve.slope
     jumps = np.diff(levels) / (slope if slope != 0.0 else 1.0)
-    times = ground.problem.motion.time_s[rows[[i, j]]] - 1e-6
-    return np.array([jumps[0], times[0], jumps[1], times[1]])
+    times = ground.problem.motion.time_s[rows[bounds[1:-1]]] - 1e-6
+    return np.column_stack([jumps, times]).ravel()
