@@ -43,7 +43,7 @@ def test_the_two_slips_begin_where_the_zero_moved(play):
 
 
 def test_teeth_that_a_belt_skips_now_and_then_are_told():
-    skips = {"jump": 1.5, "time": 500.0, "jump_2": -1.5, "time_2": 1150.0}
+    skips = {"jump": 1.5, "time": 500.0, "jump_2": -1.5, "time_2": 700.0}
     skips |= {"jump_3": -1.5, "time_3": 1900.0}
     best = explained(recorded({"lost_steps/thrice": skips}, cycles=9)).choices[0]
     (piece,) = best.fit.pieces
