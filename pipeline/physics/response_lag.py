@@ -13,6 +13,7 @@ from pipeline.physics.held import STEP_AND_WAIT_S, dwells, slewed, trailed
 from pipeline.physics.motion import Motion
 from pipeline.physics.tabled import inlined
 from pipeline.physics.term import HELD, Parameter, Surroundings, Term
+from pipeline.physics.valved_lag import ValvedLag
 
 NEARLY_CRITICAL = 1e-6
 DENSE = 200
@@ -123,6 +124,9 @@ class ResponseLag(Term):
     @property
     def kin(self) -> str:
         return "first" if self.form in FIRST_ORDER else self.form
+
+    def richer(self) -> tuple[Term, ...]:
+        return (*super().richer(), *([ValvedLag()] if self.form in FIRST_ORDER else []))
 
     def elsewhere(self) -> tuple[Term, ...]:
         return (ResponseLag("whole"),) if self.form == "first" else ()

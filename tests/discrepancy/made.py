@@ -6,7 +6,8 @@ import numpy as np
 import pandas as pd
 
 from pipeline.config import DiagnosisConfig
-from pipeline.discrepancy.fitting.fit import Ground, evaluate
+from pipeline.discrepancy.fitting.fit import evaluate
+from pipeline.discrepancy.fitting.ground import Ground
 from pipeline.discrepancy.fitting.screen import effects_of
 from pipeline.discrepancy.model.result import DiagnosisResult, Estimate
 from pipeline.discrepancy.noise.family import noise_family

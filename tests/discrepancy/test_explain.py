@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pipeline.discrepancy.fitting.fit import evaluate, ground_of, improve
+from pipeline.discrepancy.fitting.fit import evaluate, improve
+from pipeline.discrepancy.fitting.ground import ground_of
 from pipeline.discrepancy.noise.noise import NoiseModel
 from pipeline.discrepancy.problem.outliers import at_commands, returning
 from pipeline.discrepancy.search.choose import allowed, choose, simpler

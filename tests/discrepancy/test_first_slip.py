@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from pipeline.discrepancy.fitting.fit import Ground, evaluate, ground_of
+from pipeline.discrepancy.fitting.fit import evaluate
+from pipeline.discrepancy.fitting.ground import Ground, ground_of
 from pipeline.discrepancy.judgement.first_slip import is_start, start_note
 from pipeline.discrepancy.noise.noise import NoiseModel
 from pipeline.physics.catalogue import term

@@ -7,7 +7,8 @@ import pytest
 
 from pipeline.config import DiagnosisConfig, ToleranceConfig
 from pipeline.discrepancy.fitting.charge import VOID, absurd_calibration, complexity
-from pipeline.discrepancy.fitting.fit import evaluate, ground_of, improve, jacobian
+from pipeline.discrepancy.fitting.fit import evaluate, improve, jacobian
+from pipeline.discrepancy.fitting.ground import ground_of
 from pipeline.discrepancy.fitting.screen import effects_of, screen, started
 from pipeline.discrepancy.model.intervals import covariance_of, estimates, wide_covariance
 from pipeline.discrepancy.noise.family import noise_family

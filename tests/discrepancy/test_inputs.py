@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from pipeline.config import DiagnosisConfig, HeldoutConfig, ToleranceConfig
-from pipeline.discrepancy.fitting.fit import evaluate, ground_of, improve
+from pipeline.discrepancy.fitting.fit import evaluate, improve
+from pipeline.discrepancy.fitting.ground import ground_of
 from pipeline.discrepancy.model.model import ModelError, as_json, from_json
 from pipeline.discrepancy.noise.noise import NoiseModel
 from pipeline.discrepancy.problem.inputs import input_shares, said_shares

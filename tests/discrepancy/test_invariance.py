@@ -8,7 +8,8 @@ import pytest
 from scipy.signal import lfilter
 
 from pipeline.config import DiagnosisConfig, ToleranceConfig
-from pipeline.discrepancy.fitting.fit import evaluate, ground_of, improve
+from pipeline.discrepancy.fitting.fit import evaluate, improve
+from pipeline.discrepancy.fitting.ground import ground_of
 from pipeline.discrepancy.model.intervals import covariance_of
 from pipeline.discrepancy.model.result import Diagnosis
 from pipeline.discrepancy.noise.noise import NoiseModel

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from pipeline.discrepancy.fitting.fit import evaluate, ground_of
+from pipeline.discrepancy.fitting.fit import evaluate
+from pipeline.discrepancy.fitting.ground import ground_of
 from pipeline.discrepancy.judgement.verdict import (
     PLAINLY,
     PLAINLY_OF_PILE,

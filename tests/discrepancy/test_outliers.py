@@ -6,7 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pipeline.discrepancy.fitting.fit import evaluate, ground_of
+from pipeline.discrepancy.fitting.fit import evaluate
+from pipeline.discrepancy.fitting.ground import ground_of
 from pipeline.discrepancy.judgement.mistaken import after_some_steps
 from pipeline.discrepancy.noise.noise import NoiseModel
 from pipeline.discrepancy.problem.outliers import bursts, isolated, longest_burst

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from pipeline.discrepancy.fitting.fit import evaluate, ground_of, improve
+from pipeline.discrepancy.fitting.fit import evaluate, improve
+from pipeline.discrepancy.fitting.ground import ground_of
 from pipeline.discrepancy.search.choose import names
 from pipeline.discrepancy.search.played import played
 from pipeline.physics.catalogue import term

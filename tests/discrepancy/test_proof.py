@@ -5,7 +5,8 @@ import pandas as pd
 import pytest
 
 from pipeline.config import DiagnosisConfig
-from pipeline.discrepancy.fitting.fit import evaluate, ground_of
+from pipeline.discrepancy.fitting.fit import evaluate
+from pipeline.discrepancy.fitting.ground import ground_of
 from pipeline.discrepancy.judgement.proof import (
     BEYOND,
     HELDOUT,

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from pipeline.config import DiagnosisConfig
-from pipeline.discrepancy.fitting.fit import evaluate, ground_of, improve
+from pipeline.discrepancy.fitting.fit import evaluate, improve
+from pipeline.discrepancy.fitting.ground import ground_of
 from pipeline.discrepancy.judgement.refit import in_course, likeliest
 from pipeline.discrepancy.model.model import CorrectedModel, as_json, from_json
 from pipeline.discrepancy.noise.noise import NoiseModel

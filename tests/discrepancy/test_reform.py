@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from pipeline.discrepancy.fitting.fit import evaluate, ground_of, improve
+from pipeline.discrepancy.fitting.fit import evaluate, improve
+from pipeline.discrepancy.fitting.ground import ground_of
 from pipeline.discrepancy.fitting.reform import reformed
 from pipeline.discrepancy.noise.noise import NoiseModel
 from pipeline.physics.catalogue import richer, term

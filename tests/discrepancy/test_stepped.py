@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from pipeline.discrepancy.fitting.fit import evaluate, ground_of
+from pipeline.discrepancy.fitting.fit import evaluate
+from pipeline.discrepancy.fitting.ground import ground_of
 from pipeline.discrepancy.search.choose import names
 from pipeline.discrepancy.search.stepped import stepped, steps
 from pipeline.physics.catalogue import term

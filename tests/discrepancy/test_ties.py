@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pipeline.discrepancy.fitting.fit import Ground, evaluate, ground_of
+from pipeline.discrepancy.fitting.fit import evaluate
+from pipeline.discrepancy.fitting.ground import Ground, ground_of
 from pipeline.discrepancy.noise.noise import NoiseModel
 from pipeline.discrepancy.search.choose import Choice
 from pipeline.discrepancy.search.disguise import (

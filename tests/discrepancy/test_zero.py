@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from pipeline.config import DiagnosisConfig
-from pipeline.discrepancy.fitting.fit import evaluate, ground_of
+from pipeline.discrepancy.fitting.fit import evaluate
+from pipeline.discrepancy.fitting.ground import ground_of
 from pipeline.discrepancy.model.model import as_json, from_json
 from pipeline.discrepancy.model.zero import zero_at_end
 from pipeline.discrepancy.noise.noise import NoiseModel

@@ -3,7 +3,8 @@
 import numpy as np
 
 from pipeline.discrepancy.fitting.calibration import FAR_OFF, absurd_gain
-from pipeline.discrepancy.fitting.fit import Fit, Ground, parameters_of
+from pipeline.discrepancy.fitting.fit import Fit, parameters_of
+from pipeline.discrepancy.fitting.ground import Ground
 from pipeline.number_words import worded
 
 TERM_COST = 8.0

@@ -2,14 +2,8 @@
 
 import numpy as np
 
-from pipeline.discrepancy.fitting.fit import (
-    Box,
-    Fit,
-    evaluate,
-    improve,
-    parameters_of,
-    respond_beside,
-)
+from pipeline.discrepancy.fitting.fit import Fit, evaluate, improve, parameters_of, respond_beside
+from pipeline.discrepancy.fitting.ground import Box
 from pipeline.discrepancy.fitting.moments import settle_moments
 from pipeline.discrepancy.fitting.screen import PROMISING, gains_of
 from pipeline.physics.mechanism import Piece

@@ -9,6 +9,7 @@ from pipeline.discrepancy.fitting.fit import (
     Fit,
     calibrated,
     followed,
+    moved_by,
     parameters_of,
     respond_beside,
 )
@@ -117,14 +118,13 @@ def screen(
 
     None that could only gain by a size that its bounds don't allow, unless that is to be quick.
     """
-    ground = fit.ground
     places = effects.promising(fit, terms, PROMISING) + sudden(fit, terms)
     if not places:
         return []
     columns = np.empty((len(places), len(fit.trace.seen)))
     for k, (term, values) in enumerate(places):
         trace = respond_beside(fit, (*fit.pieces, Piece(term, values)), term)
-        ground.change(fit, trace, 1.0, columns[k])
+        moved_by(fit, trace, 1.0, columns[k])
     best: dict[tuple[str, str], list[Lead]] = {}
     gains, factors = gains_of(fit, sized_of(places), columns.T)
     for (term, values), gain, factor in zip(places, gains, factors, strict=True):

@@ -6,7 +6,8 @@ from dataclasses import replace
 import numpy as np
 
 from pipeline.discrepancy.fitting.charge import complexity
-from pipeline.discrepancy.fitting.fit import Fit, evaluate, ground_of, improve
+from pipeline.discrepancy.fitting.fit import Fit, evaluate, improve
+from pipeline.discrepancy.fitting.ground import ground_of
 from pipeline.discrepancy.fitting.moments import moments, moments_of, moved, settle_moments
 from pipeline.discrepancy.fitting.reform import reformed
 from pipeline.discrepancy.model.intervals import moment_interval, undated

@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 
 from pipeline.discrepancy.fitting.calibration import with_smooth_error
-from pipeline.discrepancy.fitting.fit import Ground, evaluate
+from pipeline.discrepancy.fitting.fit import evaluate
+from pipeline.discrepancy.fitting.ground import Ground
 from pipeline.discrepancy.noise.force_noise import LEAST_SPELL, spell_of
 from pipeline.discrepancy.noise.noise import NoiseModel
 from pipeline.discrepancy.search.choose import Choice, Search, extended

@@ -7,13 +7,8 @@ from typing import TypeVar
 import numpy as np
 
 from pipeline.discrepancy.fitting.charge import TERM_COST, VOID, complexity
-from pipeline.discrepancy.fitting.fit import (
-    Fit,
-    Ground,
-    calibrated,
-    evaluate,
-    improve,
-)
+from pipeline.discrepancy.fitting.fit import Fit, calibrated, evaluate, improve
+from pipeline.discrepancy.fitting.ground import Ground
 from pipeline.discrepancy.fitting.moments import settle_moments
 from pipeline.discrepancy.fitting.reform import reformed
 from pipeline.discrepancy.fitting.screen import Effects, Lead, effects_of, screen, started

@@ -26,10 +26,11 @@ def queued(search: Search, choice: Choice) -> Choice:
     """The choice with frames from a queue in place of what comes late, if that is better.
 
     In place of one such thing, of all and of what moves the zero, or of a whole pile that mops up.
+    Where rows are picked of more samples, the rhythm of these isn't known.
     """
     found, problem, pieces = choice, choice.fit.ground.problem, choice.fit.pieces
     known = any(t.name == FrameLag.name for t in search.terms)
-    if not (known and QUEUE.excited(problem.motion, problem.around)):
+    if problem.picked is not None or not (known and QUEUE.excited(problem.motion, problem.around)):
         return choice
     behind = late(choice.fit)
     mopping = [p for p in pieces if p.term.slow or any(p is b for b in behind)]
@@ -77,18 +78,19 @@ def folded(fit: Fit, often: Iterable[float], parts: int) -> list[list[float]]:
     off = ground.problem.measured - predicted
     rows = np.flatnonzero(ground.used & np.isfinite(off) & (step != 0.0))
     weight, moved = step[rows] ** 2, -off[rows] * step[rows]
+    every = max(float(weight.sum()), 1e-300)
     saw = (np.arange(parts) + 0.5 - np.arange(parts)[:, None]) % parts / parts
     found = []
     for frequency in np.asarray(often) / len(step):
         part = (rows * frequency % 1.0 * parts).astype(int)
         w, y = np.bincount(part, weight, parts), np.bincount(part, moved, parts)
-        mean, lag = saw @ w / w.sum(), y.sum() / w.sum()
-        spread = np.maximum(saw**2 @ w - mean**2 * w.sum(), 1e-12 * w.sum())
+        mean, lag = saw @ w / every, y.sum() / every
+        spread = np.maximum(saw**2 @ w - mean**2 * every, 1e-12 * every)
         rise = (saw @ y - mean * y.sum()) / spread
         gain = np.where(rise > 0.0, rise**2 * spread, 0.0)
         best = int(np.argmax(gain))
         floor = max((lag - rise[best] * mean[best]) / max(rise[best], 1e-9), 0.0)
-        total = float(gain[best] + lag**2 * w.sum())
+        total = float(gain[best] + lag**2 * every)
         found.append([total, rise[best], 1.0 / frequency, 1.0 - best / parts, floor])
     return sorted(found, reverse=True)
 

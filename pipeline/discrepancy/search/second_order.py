@@ -2,7 +2,8 @@
 
 from collections.abc import Sequence
 
-from pipeline.discrepancy.fitting.fit import Fit, Ground, evaluate, improve
+from pipeline.discrepancy.fitting.fit import Fit, evaluate, improve
+from pipeline.discrepancy.fitting.ground import Ground
 from pipeline.discrepancy.fitting.screen import late
 from pipeline.discrepancy.search.choose import MOST_TERMS, Choice, Search, best_of_each, extended
 from pipeline.discrepancy.search.polish import polished
