@@ -9,6 +9,7 @@ from pipeline.physics.catalogue import (
     MEANINGS,
     QUEUE,
     RECURRING,
+    SKIPS,
     WORN,
     force_terms,
     terms,
@@ -54,7 +55,7 @@ def test_the_catalogues_page_has_every_name_with_its_site_and_meaning(one: Term)
 
 @pytest.mark.parametrize(
     "one",
-    [t for t in with_richer((*terms(["CHANNEL"]), WORN, QUEUE, *RECURRING)) if t.form],
+    [t for t in with_richer((*terms(["CHANNEL"]), WORN, QUEUE, *RECURRING, *SKIPS)) if t.form],
     ids=lambda t: f"{t.name}/{t.form}",
 )
 def test_the_catalogues_page_has_every_form_of_what_moves(one: Term) -> None:

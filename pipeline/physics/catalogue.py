@@ -57,6 +57,9 @@ PRESSED = tuple(
 )
 SPRUNG, LATE, WORN, QUEUE = ViscousFriction("sprung"), ForceLag(), WornPlay(), QueuedFrames()
 RECURRING = (RecurringSlip("every top"), RecurringSlip("every bottom"))
+SKIPS = tuple(
+    LostSteps(f"{times}{place}") for times in ("thrice", "fourfold") for place in ("", *BEHIND)
+)
 UNEVEN = (SofterSide("upper"), SofterSide("lower"))
 
 
@@ -166,7 +169,7 @@ def richer(term: Term) -> tuple[Term, ...]:
 def term(name: str, form: str = "", other_commands: Iterable[str] = ()) -> Term:
     """The term of a name (and form); TermError names those that exist."""
     found = with_richer((*terms(other_commands), *force_terms()))
-    found += (*SHEATH_FORCES, *PRESSED, SPRUNG, LATE, WORN, QUEUE, *UNEVEN, *RECURRING)
+    found += (*SHEATH_FORCES, *PRESSED, SPRUNG, LATE, WORN, QUEUE, *UNEVEN, *RECURRING, *SKIPS)
     same = [t for t in found if t.name == name and form in ("", t.form)]
     if same:
         return next((t for t in same if t.form == form), same[0])

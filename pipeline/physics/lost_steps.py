@@ -1,6 +1,5 @@
 """Lost steps: the shaft slips at a moment, a jump of the zero."""
 
-from itertools import pairwise
 from typing import ClassVar
 
 import numpy as np
@@ -39,11 +38,7 @@ class LostSteps(Term):
     before_curve = True
     slow = True
     unlikely = 3.0
-    grows: ClassVar = {
-        f"{form}{place}": (f"{more}{place}",)
-        for form, more in pairwise(TIMES)
-        for place in ("", *BEHIND)
-    }
+    grows: ClassVar = {f"once{place}": (f"twice{place}",) for place in ("", *BEHIND)}
     means = "the shaft slips at a moment: a jump of the zero"
     says = "The shaft slipped by {jump} at {time}, and its zero has been off since."
 

@@ -33,7 +33,7 @@ def test_with_one_time_constant_it_is_the_lag_of_first_order():
 
 
 def test_a_damper_with_a_valve_is_named_alone():
-    hidden = {"response_lag/valved": {"time_constant": 3.0, "ratio": 2.0}}
+    hidden = {"response_lag/valved": {"time_constant": 6.0, "ratio": 2.0}}
     (piece,) = explained(recorded(hidden, cycles=9)).choices[0].fit.pieces
     assert (piece.term.name, piece.term.form) == ("response_lag", "valved")
-    np.testing.assert_allclose(piece.values, [3.0, 2.0], rtol=0.1)
+    np.testing.assert_allclose(piece.values, [6.0, 2.0], rtol=0.1)

@@ -40,6 +40,8 @@ def queued(search: Search, choice: Choice) -> Choice:
         if any(excludes(QUEUE, p.term) for p in rest):
             continue
         fit = evaluate(choice.fit.ground, rest)
+        if gone[0].term.form == QUEUE.form:
+            found = search.better(found, settled(fit, gone[0].values, np.inf))
         few, gain = rhythms(fit)
         told = fit.cost - choice.fit.cost
         if gain > told + PROMISES:

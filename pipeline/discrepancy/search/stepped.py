@@ -13,7 +13,7 @@ from pipeline.physics.mechanism import Piece
 
 SLIPS = [LostSteps(form) for form in ("twice", "thrice", "fourfold")]
 USUAL_JITTER = 3
-MOMENTS, SHORTEST, BEGUN = 150, 4, 2
+MOMENTS, SHORTEST, BEGUN, SETTLED = 150, 4, 2, 2
 
 
 def stepped(search: Search, choice: Choice) -> Choice:
@@ -35,7 +35,8 @@ def stepped(search: Search, choice: Choice) -> Choice:
     slips += [Piece(t, v) for t in RECURRING for v in t.candidates(motion, around)]
     trials = [improve(evaluate(still.ground, [*still.pieces, s]), BEGUN) for s in slips]
     best = {t.key: t for t in sorted(trials, key=lambda t: -t.cost)}.values()
-    fit = min((settle_moments(improve(t)) for t in best), key=lambda t: search.hoped(t, place))
+    few = sorted(map(improve, best), key=lambda t: search.hoped(t, place))[:SETTLED]
+    fit = min((settle_moments(t) for t in few), key=lambda t: search.hoped(t, place))
     if search.hoped(fit, place) > search.hoped(still, place) - FAINT:
         return choice
     return min(choice, search.weighed(fit, place), key=lambda c: c.score)
