@@ -10,6 +10,12 @@ from pipeline.physics.term import Parameter, Surroundings, Term
 SHORTEST, LONGEST, MOST = 20.0, 400.0, 20.0
 
 
+def late_by(rows: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """How many samples late the frames of some samples (n,) are."""
+    rise, every, turn, floor = values
+    return np.asarray(np.rint(rise * (floor + (rows / every + turn) % 1.0)).astype(int))
+
+
 class QueuedFrames(Term):
     """seen_k = theta_(k - l_k), l_k = round(rise (floor + frac(k / every + turn))) samples.
 
@@ -24,6 +30,7 @@ class QueuedFrames(Term):
     remembers = FrameLag.remembers
     group = FrameLag.group
     timed = FrameLag.timed
+    evolves = True
     unlikely = 3.0
     form = "queue"
     says = "The camera's frames wait in a queue: they get older by {rise}"
@@ -39,13 +46,17 @@ class QueuedFrames(Term):
     def respond(
         self, signal: np.ndarray, motion: Motion, values: np.ndarray, state: np.ndarray | None
     ) -> tuple[np.ndarray, np.ndarray]:
-        rise, every, turn, floor = values
+        rise, _, _, floor = values
         count, kept = (0, signal[:0]) if state is None else (int(state[0]), state[1:])
         poses, rows = np.concatenate([kept, signal]), np.arange(len(signal))
-        late = np.rint(rise * (floor + ((count + rows) / every + turn) % 1.0)).astype(int)
-        seen = poses[np.maximum(len(kept) + rows - late, 0)]
+        seen = poses[np.maximum(len(kept) + rows - late_by(count + rows, values), 0)]
         longest = int(np.ceil(rise * (floor + 1.0)))
         return seen, np.concatenate([[count + len(signal)], poses[max(len(poses) - longest, 0) :]])
+
+    def leaps(self, motion: Motion, values: np.ndarray) -> np.ndarray:
+        late = late_by(np.arange(-1, len(motion) + 1), values)
+        emptied = np.diff(late) < 0
+        return emptied[:-1] | emptied[1:]
 
     def excited(self, motion: Motion, around: Surroundings) -> bool:
         return len(motion) > LONGEST and FrameLag().excited(motion, around)

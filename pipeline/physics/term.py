@@ -227,6 +227,13 @@ class Term:
         """Parameters of about `factor` times what a scanned form has beyond a plainer one."""
         return values
 
+    def leaps(self, motion: Motion, values: np.ndarray) -> np.ndarray:
+        """Samples (n,) at which it leaps to another state by itself, which a fit dates to a sample.
+
+        What stands off there says when it did, and not that the sample was mistaken.
+        """
+        return np.zeros(len(motion), dtype=bool)
+
     def retold(self, starts: np.ndarray) -> np.ndarray:
         """Starts (k, p) with those that tell about the same in another way, if there are any."""
         return starts

@@ -67,8 +67,8 @@ class TransmissionRipple(Term):
     them: teeth that seat, a wave with edges. In the form "two afloat" two waves, each of a period
     of its own: the teeth of a gear and the pulley that it turns, or the gears of two stages. In the
     form "eccentric afloat" a wheel turns about a point off its centre: amplitude / eccentricity
-    atan2(eccentricity sin a, 1 - eccentricity cos a), a = 2 pi u / period + phase. In the
-    form "swelling afloat" teeth that run out of true: a (1 + swell sin(2 pi u / swell_period +
+    atan2(eccentricity sin a, 1 - eccentricity cos a), a = 2 pi u / period + phase. In the form
+    "swelling afloat" teeth run out of true: amplitude (1 + swell sin(2 pi u / swell_period +
     swell_phase)) sin(2 pi u / period + phase).
     A period that the drive does not run through at least once and a third is no ripple to be seen,
     and edges that it does not meet three times are not told from a single one; of two
@@ -226,10 +226,14 @@ class TransmissionRipple(Term):
         times, amplitude, _ = waves[np.argmax(waves[:, 1])]
         told = np.concatenate([[amplitude, values[1] / times], values[2:]])
         said = super().sentence(told, around)
+        unit = around.drive_unit
+        if self.form == SWELLING:
+            return f"{said} It swells and fades every {worded(values[4])} {unit}."
+        if self.form == ECCENTRIC:
+            return f"{said} It is uneven, as a wheel's that turns about a point off its centre."
         if self.form != TWO:
             return said
         other, period = (waves[np.argmin(waves[:, 1]), k] for k in (1, 0))
-        unit = around.drive_unit
         return (
             f"{said} Beside that it does so by {worded(other)} {unit}, "
             f"every {worded(values[1] / period)} {unit}."

@@ -1,15 +1,24 @@
-"""Frames that wait in a queue, and teeth and wheels out of true, in diagnoses."""
+"""Frames that wait in a queue that is emptied again and again."""
 
 import numpy as np
 import pytest
 
 from pipeline.discrepancy.search.queued import queued
-from tests.discrepancy.made import ANGLE, NOISE, SIMULATED, changed, explained, recorded
+from pipeline.recording import Recording
+from tests.discrepancy.made import (
+    ANGLE,
+    NOISE,
+    SIMULATED,
+    changed,
+    diagnosed,
+    explained,
+    recorded,
+)
 
 EVERY, FLUSHED_AT = 130, 40
 
 
-def queue_of(rise: float) -> np.ndarray:
+def queue_of(rise: float) -> Recording:
     """A recording's poses, noisy, each as the buffer shows it that is flushed every 130 frames."""
     recording = recorded({}, cycles=9)
     pose = recording.values(SIMULATED)
@@ -39,13 +48,7 @@ def test_what_comes_late_at_a_steady_pace_is_no_queue(hidden):
     assert queued(found.search, found.choices[0]) is found.choices[0]
 
 
-@pytest.mark.parametrize(
-    ("form", "values"),
-    [
-        ("swelling afloat", {"amplitude": 0.8, "period": 9.0, "swell": 0.6, "swell_period": 70.0}),
-        ("eccentric afloat", {"amplitude": 2.5, "period": 45.0, "eccentricity": -0.45}),
-    ],
-)
-def test_a_ripple_out_of_true_is_named_alone(form, values):
-    best = explained(recorded({f"transmission_ripple/{form}": values}, cycles=9)).choices[0]
-    assert [(p.term.name, p.term.form) for p in best.fit.pieces] == [("transmission_ripple", form)]
+def test_a_queue_is_the_same_as_nothing_steady_and_says_how_often_it_is_emptied():
+    (physics,) = diagnosed(queue_of(4.0)).diagnoses[0].physics
+    assert (physics.name, physics.alternatives) == ("frame_lag", ())
+    assert "every 130 frames" in physics.says

@@ -1,12 +1,14 @@
 """Two slips at once, where noise that walks was the easier explanation."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from pipeline.discrepancy.fitting.fit import evaluate
 from pipeline.discrepancy.fitting.ground import ground_of
 from pipeline.discrepancy.search.choose import names
-from pipeline.discrepancy.search.stepped import stepped, steps
+from pipeline.discrepancy.search.stepped import SHORTEST, stepped, steps
 from pipeline.physics.catalogue import term
 from pipeline.physics.mechanism import Piece
 from tests.discrepancy.made import ANGLE, changed, explained, recorded
@@ -41,6 +43,16 @@ def test_the_two_slips_begin_where_the_zero_moved(play):
     jump, time_s, back, later_s = steps(play, 2)
     assert (time_s, later_s) == pytest.approx((700.0, 1500.0), abs=60.0)
     assert (jump, back) == pytest.approx((1.1, -1.0), abs=0.3)
+
+
+@pytest.mark.parametrize("count", [2, 4])
+def test_as_few_rows_as_have_room_for_slips_do(play, count):
+    used = np.zeros_like(play.ground.used)
+    used[np.flatnonzero(play.ground.used)[: SHORTEST * (count + 1)]] = True
+    few = evaluate(replace(play.ground, used=used), play.pieces)
+    times = steps(few, count)[1::2]
+    assert np.isfinite(steps(few, count)).all()
+    assert np.all(np.diff(times) > 0.0)
 
 
 def test_teeth_that_a_belt_skips_now_and_then_are_told():

@@ -1,6 +1,7 @@
 """Which rows count: those that the mechanism answers to, and in which nothing was mistaken."""
 
 from collections.abc import Sequence
+from itertools import pairwise
 
 import numpy as np
 
@@ -45,7 +46,7 @@ def mistaken_rows(problem: Problem, choice: Choice, prior: NoisePrior) -> np.nda
     out |= left_out & (np.abs(off) > INCREDIBLE * fit.ground.noise.deviation)
     out &= ~returning(distances(off), repeats)
     out |= isolated(off, problem.train, prior.finest, problem.cycle, repeats)
-    out &= ~usual(problem, off, prior)
+    out &= ~(usual(problem, off, prior) | leaping(problem, choice))
     late = problem.train & (late_rows(problem, fit.predicted, prior, repeats) > 0)
     return out | between_slips(problem, choice) | late
 
@@ -86,11 +87,21 @@ def between_slips(problem: Problem, choice: Choice) -> np.ndarray:
             continue
         jumps, times_s = piece.values[0::2], piece.values[1::2]
         spans = [(times_s[-1], np.inf)]
-        if len(jumps) > 1 and abs(jumps.sum()) < TAKEN_BACK * abs(jumps[0]):
-            spans.append((times_s[0], times_s[1]))
+        for (jump, back), span in zip(pairwise(jumps), pairwise(times_s), strict=True):
+            if abs(jump + back) < TAKEN_BACK * abs(jump):
+                spans.append(span)
         for first_s, last_s in spans:
             between = problem.train & (time_s >= first_s) & (time_s < last_s)
             out |= between & (between.sum() <= longest_burst(problem.cycle))
+    return out
+
+
+def leaping(problem: Problem, choice: Choice) -> np.ndarray:
+    """Rows (n,) at which a term of a choice leaps by itself; none where they were picked."""
+    out = np.zeros(len(problem.motion), dtype=bool)
+    if problem.picked is None:
+        for piece in choice.fit.pieces:
+            out |= piece.term.leaps(problem.motion, piece.values)
     return out
 
 

@@ -40,7 +40,7 @@ def queued(search: Search, choice: Choice) -> Choice:
         if any(excludes(QUEUE, p.term) for p in rest):
             continue
         fit = evaluate(choice.fit.ground, rest)
-        if gone[0].term.form == QUEUE.form:
+        if [p.term.form for p in gone] == [QUEUE.form]:
             found = search.better(found, settled(fit, gone[0].values, np.inf))
         few, gain = rhythms(fit)
         told = fit.cost - choice.fit.cost

@@ -31,12 +31,14 @@ def stepped(search: Search, choice: Choice) -> Choice:
         return choice
     still, place = search.stilled(evaluate(choice.fit.ground, rest), choice.place, 4)
     motion, around = still.ground.problem.motion, still.ground.problem.around
-    slips = [Piece(slip, steps(still, slip.times)) for slip in SLIPS]
+    count = still.ground.count
+    few = [slip for slip in SLIPS if count >= SHORTEST * (slip.times + 1)]
+    slips = [Piece(slip, steps(still, slip.times)) for slip in few]
     slips += [Piece(t, v) for t in RECURRING for v in t.candidates(motion, around)]
     trials = [improve(evaluate(still.ground, [*still.pieces, s]), BEGUN) for s in slips]
     best = {t.key: t for t in sorted(trials, key=lambda t: -t.cost)}.values()
-    few = sorted(map(improve, best), key=lambda t: search.hoped(t, place))[:SETTLED]
-    fit = min((settle_moments(t) for t in few), key=lambda t: search.hoped(t, place))
+    ahead = sorted(map(improve, best), key=lambda t: search.hoped(t, place))[:SETTLED]
+    fit = min((settle_moments(t) for t in ahead), key=lambda t: search.hoped(t, place))
     if search.hoped(fit, place) > search.hoped(still, place) - FAINT:
         return choice
     return min(choice, search.weighed(fit, place), key=lambda c: c.score)

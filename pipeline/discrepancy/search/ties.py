@@ -42,6 +42,7 @@ def standing(name: str, best: Choice, choices: list[Choice], problem: Problem) -
     tell nothing there, and ties if it fits better. Nor need such a name be in disguise to be
     listed, where all that it is behind is its charge for more parameters. Where one bend of a
     static curve could stand in its place, each could; not in that of one that another axis turns.
+    Nor is what becomes another with time the same as what doesn't.
     """
     distinct = by_names(choices)
     weights = weights_of(distinct)
@@ -64,8 +65,9 @@ def standing(name: str, best: Choice, choices: list[Choice], problem: Problem) -
             looks_so = sorted(other)
             gaps |= dict.fromkeys(other, gap) if gap < 0.0 else {}
     tied = [n for n, gap in gaps.items() if gap < TIE]
-    static = not any(p.term.goes_by for p in best.fit.pieces if p.term.name == name)
-    every = (*([name] if static else []), *(BENDS & set(tied)))
+    own = [p.term for p in best.fit.pieces if p.term.name == name]
+    steady = not any(t.goes_by or t.evolves for t in own)
+    every = (*([name] if steady else []), *(BENDS & set(tied)))
     alike = [n for one in every for n in equivalents(one, problem)]
     like = dict.fromkeys([*looks_so, *sorted(alike)])
     known = [n for n in like if n not in names(best) | set(tied)]
