@@ -24,6 +24,7 @@ from pipeline.physics.inertia import Inertia
 from pipeline.physics.lens_distortion import LensDistortion
 from pipeline.physics.lost_steps import BEHIND, LostSteps
 from pipeline.physics.marker_outliers import MarkerOutliers
+from pipeline.physics.off_centre_ripple import OffCentreRipple
 from pipeline.physics.queued_frames import QueuedFrames
 from pipeline.physics.recurring_slip import RecurringSlip
 from pipeline.physics.response_lag import ResponseLag
@@ -35,10 +36,12 @@ from pipeline.physics.softer_side import SofterSide
 from pipeline.physics.stiffening_joint import StiffeningJoint
 from pipeline.physics.stiffness import Stiffness
 from pipeline.physics.stribeck_friction import StribeckFriction
+from pipeline.physics.swelling_ripple import SwellingRipple
 from pipeline.physics.tension_loss import TensionLoss
 from pipeline.physics.term import Term, TermError
 from pipeline.physics.transmission_ripple import TransmissionRipple
 from pipeline.physics.turned_gravity import TURNED, TurnedGravity
+from pipeline.physics.two_ripples import TwoRipples
 from pipeline.physics.viscous_friction import ViscousFriction
 from pipeline.physics.worn_play import WornPlay
 
@@ -61,6 +64,15 @@ SKIPS = tuple(
     LostSteps(f"{times}{place}") for times in ("thrice", "fourfold") for place in ("", *BEHIND)
 )
 UNEVEN = (SofterSide("upper"), SofterSide("lower"))
+OFF_CENTRE, TWO = OffCentreRipple(), TwoRipples()
+RIPPLES = {
+    "first": (TWO, SwellingRipple(), OFF_CENTRE),
+    "first afloat": (TWO, SwellingRipple(), OFF_CENTRE),
+    "second": (TWO,),
+    "second afloat": (TWO,),
+    "third afloat": (TWO,),
+}
+"""What is no ripple of one period and its overtones, by the forms that it grows from."""
 
 
 def terms(other_commands: Iterable[str] = ()) -> tuple[Term, ...]:
@@ -161,6 +173,8 @@ def richer(term: Term) -> tuple[Term, ...]:
     freely, and that one what bends in the middle, lest something else is named for what its own
     form is too narrow to hold.
     """
+    if term.name == TransmissionRipple.name:
+        return (*term.richer(), *RIPPLES.get(term.form, ()))
     if term.group != BEND:
         return term.richer()
     return (*term.richer(), RISING if term.form == BENDING.form else BENDING)

@@ -97,11 +97,15 @@ MOST_KEPT = 0.6
 KEPT = 2
 
 
-def driven_as(lost: float, reach: float) -> list[tuple[Term, np.ndarray]]:
+def driven_as(lost: float, reach: float, centre: float = 0.0) -> list[tuple[Term, np.ndarray]]:
     """Slack of the drive that loses as much as wire does that is soft at first.
 
-    lost: how much, on either side [drive unit]. reach: over which way [drive unit].
+    lost: how much, on either side [drive unit]. reach: over which way [drive unit]. centre: the
+    drive in its middle; where that is away from 0 by more than is lost, home is not tried.
     """
     starts = [(2.0 * lost, share * lost, 0.0) for share in (0.1, 0.3, 1.0)]
     starts.append((2.0 * reach, 0.1 * reach, 1.0 - lost / max(reach, 1e-300)))
-    return [(DrivenSlack(f), np.array(start)) for f in (DRIVEN, AHEAD) for start in starts]
+    if abs(centre) <= lost:
+        return [(DrivenSlack(f), np.array(start)) for f in (DRIVEN, AHEAD) for start in starts]
+    forms = [DrivenSlack(f"{f} {OFF_HOME}") for f in (DRIVEN, AHEAD)]
+    return [(form, np.array([*start, centre])) for form in forms for start in starts]

@@ -47,10 +47,10 @@ class DrivenStretch(Compliance):
 
     def instead(self, values: np.ndarray, motion: Motion, around: Surroundings) -> Sequence[Told]:
         """Slack that loses as much, where that is soon lost."""
-        softness, reach = values[:2]
+        softness, reach, _, centre = (float(v) for v in values)
         if reach > SOON * around.drive_span:
             return ()
-        return [[told] for told in driven_as(float(softness * reach), float(reach))]
+        return [[told] for told in driven_as(softness * reach, reach, centre)]
 
 
 SOON = 0.25

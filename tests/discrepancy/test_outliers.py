@@ -135,3 +135,11 @@ def test_a_slip_that_is_taken_back_at_once_is_a_mistake(rows: int, mistaken: boo
     slips = replace(fit, pieces=(Piece(LostSteps("twice"), values),))
     found = np.flatnonzero(between_slips(problem, Choice(slips, (0, 0, 0), 0.0)))
     assert found.tolist() == (list(range(130, 130 + rows)) if mistaken else [])
+
+
+@pytest.mark.parametrize(("size", "named"), [(30.0, {"marker_outliers"}), (8.0, set())])
+def test_two_mistaken_frames_are_named_where_they_are_far_off(size: float, named: set[str]) -> None:
+    recording = recorded({})
+    angle = recording.values(ANGLE).copy()
+    angle[[STEPS + 70, 3 * STEPS + 31]] += size * NOISE
+    assert names(diagnosed(changed(recording, **{ANGLE: angle}))) == named

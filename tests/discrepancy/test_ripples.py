@@ -15,3 +15,13 @@ from tests.discrepancy.made import explained, recorded
 def test_a_ripple_out_of_true_is_named_alone(form, values):
     best = explained(recorded({f"transmission_ripple/{form}": values}, cycles=9)).choices[0]
     assert [(p.term.name, p.term.form) for p in best.fit.pieces] == [("transmission_ripple", form)]
+
+
+def test_teeth_whose_overtones_go_their_own_way_are_no_wheel_off_its_centre():
+    waves = {"amplitude": 2.0, "period": 12.0, "amplitude_2": 0.45, "phase_2": 2.6}
+    overtones = {"amplitude_3": 0.35, "phase_3": 5.9}
+    hidden = {"transmission_ripple/both afloat": {**waves, **overtones}}
+    best = explained(recorded(hidden, cycles=9)).choices[0]
+    (piece,) = best.fit.pieces
+    assert piece.term.form == "both afloat"
+    assert piece.values[[0, 3, 5]] == pytest.approx([2.0, 0.45, 0.35], abs=0.05)

@@ -4,11 +4,11 @@ import numpy as np
 
 from pipeline.physics.motion import Motion
 from pipeline.physics.term import Surroundings
-from pipeline.physics.transmission_ripple import TransmissionRipple
+from pipeline.physics.two_ripples import TwoRipples
 
 DRIVE = np.linspace(-50.0, 50.0, 101)
 MOTION = Motion(DRIVE, np.arange(101.0), np.zeros(101, dtype=int))
-TWO = TransmissionRipple("two afloat")
+TWO = TwoRipples()
 
 
 def test_two_waves_add_up():

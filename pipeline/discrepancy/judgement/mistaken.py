@@ -12,7 +12,7 @@ from pipeline.discrepancy.search.explain import Explanation
 from pipeline.number_words import worded
 from pipeline.physics.catalogue import term
 
-FEWEST = 3
+FEWEST, FEWEST_FAR = 3, 2
 CREDIBLE, NEARLY_ALL = 3.0, 0.8
 FAR = 10.0
 BY_CHANCE = 1e-3
@@ -37,7 +37,8 @@ def mistaken_frames(
     if found is None:
         return None
     noise = explanation.choices[0].fit.ground.noise.deviation
-    if unexplained and (found[1].value < FAR * noise or after_some_steps(explanation)):
+    few = alone(incredible(explanation)) < FEWEST
+    if unexplained and (few or found[1].value < FAR * noise or after_some_steps(explanation)):
         return None
     name = "frame_lag" if stale(explanation) and "frame_lag" not in taken else "marker_outliers"
     off, heldout = evidence.measured - evidence.after, evidence.heldout
@@ -56,15 +57,18 @@ def share_and_size(explanation: Explanation) -> tuple[Estimate, Estimate] | None
     """Share and size of the outliers with 95 % intervals, or None where there are too few.
 
     Judged on training rows that the noise does not make credible; neighbours count once, and those
-    between which a slip may lie not at all. The share's interval is Wilson's, the size's that of a
+    between which a slip may lie not at all. Of those that are off by more than FAR times the noise
+    fewer will do. The share's interval is Wilson's, the size's that of a
     mean.
     """
     problem, fit = explanation.problem, explanation.choices[0].fit
     rows = incredible(explanation)
     count, n = int(rows.sum()), int(problem.train.sum())
-    if np.sum(np.diff(np.flatnonzero(rows), prepend=-9) > 1) < FEWEST:
+    every = np.abs(problem.measured - fit.predicted)
+    far = rows & (every > FAR * fit.ground.noise.deviation)
+    if alone(rows) < FEWEST and alone(far) < FEWEST_FAR:
         return None
-    off = np.abs(problem.measured - fit.predicted)[rows]
+    off = every[rows]
     size = float(np.mean(off))
     error = Z * float(np.std(off, ddof=1)) / np.sqrt(count)
     unit = problem.around.angle_unit
@@ -72,6 +76,11 @@ def share_and_size(explanation: Explanation) -> tuple[Estimate, Estimate] | None
         share_of(count, n),
         Estimate("size", size, max(size - error, 0.0), size + error, unit),
     )
+
+
+def alone(rows: np.ndarray) -> int:
+    """How many of some rows (n,) there are, neighbours counted once."""
+    return int(np.sum(np.diff(np.flatnonzero(rows), prepend=-9) > 1))
 
 
 def share_of(count: int, n: int) -> Estimate:

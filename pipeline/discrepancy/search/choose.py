@@ -403,4 +403,4 @@ def simpler(search: Search, choice: Choice) -> Choice:
 def plainer(terms: Sequence[Term], term: Term) -> list[Term]:
     """Forms of the same name, among some terms and what they grow to, that a term grew from."""
     known = with_richer(t for t in terms if t.name == term.name)
-    return [t for t in known if any(r.form == term.form for r in t.richer() if r.name == t.name)]
+    return [t for t in known if any(r.form == term.form for r in richer(t) if r.name == t.name)]

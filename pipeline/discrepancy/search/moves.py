@@ -14,7 +14,7 @@ from pipeline.discrepancy.search.choose import (
     by_term,
 )
 from pipeline.physics.capstan_friction import CapstanFriction
-from pipeline.physics.catalogue import BEND, SHEATH_FORCES
+from pipeline.physics.catalogue import BEND, OFF_CENTRE, SHEATH_FORCES
 from pipeline.physics.driven_slack import DrivenSlack
 from pipeline.physics.friction import Friction
 from pipeline.physics.mechanism import Piece
@@ -22,11 +22,9 @@ from pipeline.physics.response_lag import ResponseLag
 from pipeline.physics.slack import Slack
 from pipeline.physics.stiffness import Stiffness
 from pipeline.physics.term import Term
-from pipeline.physics.transmission_ripple import ECCENTRIC, TransmissionRipple
 
 SHEATH = CapstanFriction("pretensioned")
 SPRING = Stiffness()
-OFF_CENTRE = TransmissionRipple(ECCENTRIC)
 
 
 def unpromised(search: Search, choice: Choice) -> Choice:
@@ -50,14 +48,15 @@ def recurved(search: Search, choice: Choice) -> Choice:
     takes its place; so they stay as they are until it has. Nor is a plain ripple on the way from it
     and a bend beside it to the wheel off its centre that both together draw.
     """
-    found, curved = choice, [p for p in choice.fit.pieces if curves(p.term)]
+    found, off = choice, OFF_CENTRE.form
+    curved = [p for p in choice.fit.pieces if curves(p.term)]
     for left_out in (*combinations(curved, 1), *combinations(curved, 2)):
         rest = choice.fit.without(*left_out)
         fit = evaluate(choice.fit.ground, rest)
         gone = {(p.term.name, p.term.form) for p in left_out}
         others = [t for t in search.terms if curves(t) and (t.name, t.form) not in gone]
         found = search.better(found, improve(begun_with(search, fit, others), 2 * ITERATIONS))
-        turning = [k for k, p in enumerate(rest) if p.term.periodic and p.term.form != ECCENTRIC]
+        turning = [k for k, p in enumerate(rest) if p.term.periodic and p.term.form != off]
         if turning:
             found = search.better(found, reformed(improve(fit), turning[0], OFF_CENTRE))
     return found

@@ -1,0 +1,60 @@
+"""The ripple of a wheel that turns about a point off its centre."""
+
+from collections.abc import Sequence
+from typing import ClassVar
+
+import numpy as np
+
+from pipeline.physics.motion import Motion
+from pipeline.physics.term import NO_STATE, Parameter, Surroundings, Told
+from pipeline.physics.transmission_ripple import TransmissionRipple
+
+FARTHEST, CENTRED = 0.9, 1e-6
+TEETH = TransmissionRipple("both afloat")
+
+
+class OffCentreRipple(TransmissionRipple):
+    """x = u + amplitude / e atan2(e sin a, 1 - e cos a), a = 2 pi u / period + phase.
+
+    e is how far off it turns over its radius; where it is 0 that is a plain wave. Its harmonics are
+    amplitude e^(k - 1) / k sin(k a). Source: law of sines; as of one ripple.
+    """
+
+    form = "eccentric afloat"
+    grows: ClassVar = {}
+
+    def __init__(self) -> None:
+        super().__init__(self.form)
+
+    def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
+        off = Parameter("eccentricity", "", -FARTHEST, FARTHEST, 0.3, 0.3)
+        return *super().parameters(around), off
+
+    def respond(
+        self, signal: np.ndarray, motion: Motion, values: np.ndarray, state: np.ndarray | None
+    ) -> tuple[np.ndarray, np.ndarray]:
+        amplitude, period, phase, off = values
+        turned = 2.0 * np.pi * signal / period + phase
+        ahead = np.sin(turned)
+        if abs(off) > CENTRED:
+            ahead = np.arctan2(off * ahead, 1.0 - off * np.cos(turned)) / off
+        return signal + amplitude * ahead, NO_STATE
+
+    def waves(self, values: np.ndarray) -> np.ndarray:
+        amplitude, _, phase, off = values
+        times = np.arange(1, 1 + max(TEETH.overtones))
+        sizes = amplitude * off ** (times - 1) / times
+        return np.column_stack([times, np.abs(sizes), times * phase + np.pi * (sizes < 0.0)])
+
+    def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
+        return np.array([[*r, e] for r in self.plain_waves(around) for e in (-0.3, 0.3)])
+
+    def instead(self, values: np.ndarray, motion: Motion, around: Surroundings) -> Sequence[Told]:
+        """Teeth with as large harmonics: of those that go their own way it follows one."""
+        (_, first, phase), *overtones = self.waves(values)
+        told = [first, values[1], phase, *np.concatenate([o[1:] for o in overtones])]
+        return [[(TEETH, np.array(told))]]
+
+    def sentence(self, values: np.ndarray, around: Surroundings) -> str:
+        said = super().sentence(values, around)
+        return f"{said} It is uneven, as a wheel's that turns about a point off its centre."
