@@ -215,6 +215,20 @@ def test_a_near_rival_is_weighed_in_the_form_that_suits_it():
     assert levelled(search, [late, replace(first, score=late.score + 100.0)])[0] is late
 
 
+def test_two_names_in_the_place_of_one_are_weighed_in_plainer_forms_too():
+    hidden = {"backlash": {"width": 4.5}, "friction": {"width": 2.0, "reach": 4.0, "spread": 0.7}}
+    found = explained(recorded(hidden, cycles=9))
+    search, true = found.search, found.choices[0]
+    assert {(p.term.name, p.term.form) for p in true.fit.pieces} >= {("friction", "symmetric")}
+    play, driven = Piece(term("backlash"), np.array([3.0])), term("friction", "driven")
+    begun = (play, Piece(driven, np.array([5.0, 8.0, 0.5])))
+    rival = search.weighed(improve(evaluate(true.fit.ground, begun)), true.place)
+    late = Piece(term("response_lag"), np.array([5.0]))
+    best = search.weighed(improve(evaluate(true.fit.ground, (late,))), true.place)
+    again = levelled(search, [best, replace(rival, score=best.score + 30.0)])
+    assert min(c.score for c in again) < true.score + 3.0
+
+
 def test_a_near_rival_is_weighed_beside_the_bend_that_suits_it():
     stop = {"angle": -27.0, "softness": 0.3, "give": 0.02}
     hidden = {"compliance": {}, "end_stop/lower": stop, "backlash": {"width": 3.0}}

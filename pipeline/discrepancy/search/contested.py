@@ -49,8 +49,9 @@ def contested(search: Search, choices: Sequence[Choice]) -> list[Choice]:
 
 
 def levelled(search: Search, choices: Sequence[Choice]) -> list[Choice]:
-    """The choices (best first), with near rivals of one other name in forms as rich as suit them.
+    """The choices (best first), with near rivals of other names in forms as rich as suit them.
 
+    They have one other name, or two in place of one.
     A search grows the forms of what is best on its way: a rival that was left with plainer ones
     looks worse than its name is, and so does one grown beside fewer. It takes over the forms of the
     names that both have, or the other bend of a static curve; its own name is made plain, or grown.
@@ -58,8 +59,11 @@ def levelled(search: Search, choices: Sequence[Choice]) -> list[Choice]:
     """
     best, found = choices[0], list(choices)
     near = [c for c in by_names(list(choices)) if c.score < best.score + FAR]
-    near = [c for c in near if len(bent(names(c)) ^ bent(names(best))) == 2]
-    for rival in [c for c in near if c.fit.slow <= names(best)][:MOST]:
+    near = [c for c in near if c.fit.slow <= names(best)]
+    mine = bent(names(best))
+    others = [c for c in near if len(bent(names(c)) - mine) == len(mine - bent(names(c))) == 1]
+    pairs = [c for c in near if len(bent(names(c)) - mine) == 2 * len(mine - bent(names(c))) == 2]
+    for rival in (*others[:MOST], *pairs[:1]):
         shared = [p for p in best.fit.pieces if bent({p.term.name}) <= bent(names(rival))]
         own = [p for p in rival.fit.pieces if not bent({p.term.name}) <= bent(names(best))]
         taken = evaluate(best.fit.ground, (*shared, *own))
