@@ -61,7 +61,9 @@ class Load(NamedTuple):
     smooth: linear [1], cubic [1/angle^2], gravity [angle] and gravity's zero [rad].
     pretension: load beyond which one of two wires hangs slack and the other gives twice [angle].
     drag: viscous load over speed [s]: the time constant of a joint without other loads.
-    pushed: (n,) load from outside that moves a free joint by as much [angle]; None where none.
+    pushed: (n,) load from outside on the wires that moves a free joint by as much where the
+        nominal curve is as steep as its mean [angle]; None where none.
+    torque: (n,) the same on the joint, wherever it is [angle]; None where none.
     carried: what the term must know to go on from the last sample.
     """
 
@@ -76,6 +78,7 @@ class Load(NamedTuple):
     pretension: float = np.inf
     drag: float = 0.0
     pushed: np.ndarray | None = None
+    torque: np.ndarray | None = None
     carried: np.ndarray = np.zeros(0)
 
 
@@ -113,6 +116,8 @@ def settle(
     for one in loads:
         if one.pushed is not None:
             pushed += curve(motion.drive + one.pushed / curve.slope) - curve(motion.drive)
+        if one.torque is not None:
+            pushed += one.torque
     sliders, bristles, arms = len(load.slip), len(load.bristle), len(load.arm)
     carried = np.zeros(4 + sliders + bristles + arms) if state is None else state.copy()
     dwell = pushed

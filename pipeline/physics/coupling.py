@@ -11,7 +11,7 @@ from pipeline.physics.held import STEP_AND_WAIT_S
 from pipeline.physics.motion import Motion
 from pipeline.physics.term import HELD, NO_STATE, Parameter, Surroundings, Term
 
-DIRECT, LEVER, RATE = "/direct", "/lever", "/rate"
+DIRECT, LEVER, RATE, TORQUE = "/direct", "/lever", "/rate", "/torque"
 WAYS: Mapping[str, Way] = {
     "/play": Dragging(),
     "/late": Late(),
@@ -20,7 +20,7 @@ WAYS: Mapping[str, Way] = {
 }
 NO_LOAD, BESIDES = (DIRECT, LEVER), (LEVER, RATE)
 DRAGGING = ("/play", "/late")
-GROWN = (*DRAGGING, DIRECT)
+GROWN = (*DRAGGING, DIRECT, TORQUE)
 OFFERED = ("", DIRECT, LEVER, RATE)
 SIZES = 2
 
@@ -35,8 +35,9 @@ class Coupling(Term):
     coupling by that wire's friction alone. Form "channel/late": what it drags along until it has
     relaxed. In the balance, so that friction, slack and contact answer to it; a free joint moves by
     as much, times the slope of its curve there over the mean one: the wires are pulled. Form
-    "channel/direct" is no load: what the joint stands on is turned by as much. Beside each of these
-    may stand the forms "channel/rate", what the other axis drags along by its speed, and
+    "channel/torque" is a load on the joint itself, which moves a free one by as much wherever it
+    is. Form "channel/direct" is none: what the joint stands on is turned by as much. Beside each of
+    these may stand the forms "channel/rate", what the other axis drags along by its speed, and
     "channel/lever": it changes this one's gain, which is no load either. See `coupling_ways.py`.
     Source: wires of one joint that run through another, first two terms of the power series.
     """
@@ -52,18 +53,18 @@ class Coupling(Term):
 
     def __init__(self, form: str = "") -> None:
         self.form = form
-        how = next((how for how in (*WAYS, DIRECT) if form.endswith(how)), "")
+        how = next((how for how in (*WAYS, DIRECT, TORQUE) if form.endswith(how)), "")
         self.channel = form.removesuffix(how)
         self.way = WAYS.get(how)
         self.pushes = how not in BESIDES
         self.group = f"{self.name} {self.channel if self.pushes else form}"
         self.in_balance = how not in NO_LOAD
         self.timed = self.way is not None and self.way.timed
-        self.only_beside = HELD if how == DIRECT else ""
+        self.only_beside = HELD if how in (DIRECT, TORQUE) else ""
 
     @property
     def kin(self) -> str:
-        return self.form.removesuffix(DIRECT)
+        return self.form.removesuffix(DIRECT).removesuffix(TORQUE)
 
     def elsewhere(self) -> tuple[Term, ...]:
         return (Coupling(f"{self.form}{DIRECT}"),) if self.form == self.channel else ()
@@ -96,7 +97,7 @@ class Coupling(Term):
     def load(self, values: np.ndarray, motion: Motion, state: np.ndarray | None) -> Load:
         other, pushed, own = self.told(values, motion)
         if self.way is None:
-            return Load(pushed=pushed)
+            return Load(torque=pushed) if self.form.endswith(TORQUE) else Load(pushed=pushed)
         besides, carried = self.way.pushed(own, other, motion, state)
         return Load(pushed=pushed + besides, carried=carried)
 

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from pipeline.physics.coupling import Coupling
+from pipeline.physics.end_stop import EndStop
 from pipeline.physics.kinematics import CubicCurve
 from pipeline.physics.mechanism import Mechanism, Piece
 from pipeline.physics.motion import Motion
@@ -54,8 +55,20 @@ def test_a_lever_that_the_other_axis_turns_away_is_about_its_cosine():
     np.testing.assert_allclose(turned, 0.7 * drive * (1.0 + 0.01 * yaw), atol=1e-9)
 
 
+@pytest.mark.parametrize("way", ["", "/torque", "/direct"])
+def test_wires_are_pulled_as_the_curve_is_steep_and_a_stop_holds_what_is_no_turn(way: str):
+    curve, motion = CubicCurve(0.7, 1e-4), moved(np.full(61, 20.0), np.linspace(0.0, 60.0, 61))
+    piece = Piece(Coupling(f"{YAW}{way}"), np.array([0.1, 0.0]))
+    free = Mechanism(curve, (piece,)).respond(motion)[0] - curve(motion.drive)
+    pulled = curve(motion.drive + 2.0 / curve.slope) - curve(motion.drive)
+    np.testing.assert_allclose(free, 2.0 if way else pulled, atol=1e-6)
+    stop = Piece(EndStop("upper"), np.array([15.0, 0.05, 0.004]))
+    held = Mechanism(curve, (piece, stop)).respond(motion)[0]
+    assert held[-1] == pytest.approx(17.0 if way == "/direct" else 15.0, abs=0.3)
+
+
 def test_the_channel_of_a_form_is_what_stands_before_the_last_slash():
-    for form in ("", "/play", "/late", "/rate", "/lever", "/direct"):
+    for form in ("", "/play", "/late", "/rate", "/lever", "/direct", "/torque"):
         assert Coupling(f"/joint/cmd{form}").channel == "/joint/cmd"
 
 

@@ -12,6 +12,7 @@ from pipeline.discrepancy.search.choose import (
     Search,
     allowed,
     by_term,
+    simpler,
 )
 from pipeline.physics.capstan_friction import CapstanFriction
 from pipeline.physics.catalogue import BEND, OFF_CENTRE, SHEATH_FORCES
@@ -25,6 +26,7 @@ from pipeline.physics.term import Term
 
 SHEATH = CapstanFriction("pretensioned")
 SPRING = Stiffness()
+NEAR = 30.0
 
 
 def unpromised(search: Search, choice: Choice) -> Choice:
@@ -103,7 +105,7 @@ def merged(search: Search, choice: Choice) -> Choice:
 
     A creep or play beside a lag can follow what is one lag of second order, a frame that is old
     what a swinging joint beside a creep does, and one beside play a motor that is late; no swap of
-    terms leads there.
+    terms leads there. What else was grown beside the lag of the old form may be plainer then.
     """
     behind = late(choice.fit)
     lag = next((p for p in behind if p.term.group == "lag"), None)
@@ -115,6 +117,8 @@ def merged(search: Search, choice: Choice) -> Choice:
         for form in ("second", "motor"):
             if lag.term.form != form:
                 trial = search.weighed(reformed(fit, place, ResponseLag(form)), choice.place)
+                if trial.score < choice.score + NEAR:
+                    trial = simpler(search, trial)
                 choice = min(choice, trial, key=lambda c: c.score)
     return choice
 
