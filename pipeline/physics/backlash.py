@@ -4,6 +4,7 @@ import numpy as np
 
 from pipeline.physics.coasting_play import CoastingPlay
 from pipeline.physics.motion import Motion
+from pipeline.physics.pin_play import PinPlay
 from pipeline.physics.play_operator import play
 from pipeline.physics.term import Parameter, Surroundings, Term
 from pipeline.physics.transmission_ripple import TransmissionRipple
@@ -47,7 +48,7 @@ class Backlash(Term):
         return () if self.only_beside else (Backlash(AHEAD),)
 
     def richer(self) -> tuple[Term, ...]:
-        return () if self.only_beside else (CoastingPlay(), *map(UnevenPlay, FORMS))
+        return () if self.only_beside else (CoastingPlay(), PinPlay(), *map(UnevenPlay, FORMS))
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
         span = around.drive_span

@@ -8,12 +8,14 @@ import numpy as np
 from pipeline.physics.backlash import Backlash
 from pipeline.physics.balance import Load
 from pipeline.physics.motion import Motion
+from pipeline.physics.pin_play import PinPlay
 from pipeline.physics.pre_sliding import ELEMENTS, WIDEST, dragging, reaches_of, weighted
 from pipeline.physics.rising_creep import rising_as
 from pipeline.physics.slack import HOME, Slack
 from pipeline.physics.term import Parameter, Shown, Surroundings, Term, Told
 
 LEFT, LOOSENED, LOOSE = ((0.65, 0.3), (0.5, 0.7)), 1.4, 0.02
+SHARP = 0.2
 WRAPPED, ASYMMETRIC = "wrapped", "driven asymmetric"
 
 
@@ -111,7 +113,8 @@ class Friction(Term):
         """Less of it beside slack; for what grows with the bend creep that grows with the pull.
 
         Friction holds the joint between its loose wires: about as much as these are slack, the loop
-        is wider. No small step leads from friction alone to both.
+        is wider. No small step leads from friction alone to both. What has sharp corners at the
+        joint is play in its pin.
         """
         slack = Slack(HOME) if Slack(HOME).excited(motion, around) else Slack()
         (width, reach), slope = values[:2], around.angle_span / around.drive_span
@@ -121,6 +124,8 @@ class Friction(Term):
             loose[0], loose[-1] = LOOSENED * (1.0 - own) * width / max(slope, 1e-12), LOOSE
             held = np.array([own * width, own * reach, spread])
             found.append([(Friction(), held), (slack, loose)])
+        if not self.before_curve and reach < SHARP * width:
+            found.append([(PinPlay(), values[:1])])
         if self.form == WRAPPED:
             loop = width * (1.0 + values[3] * 0.25 * around.angle_span)
             found += [[told] for told in rising_as(loop / max(slope, 1e-12), around)]

@@ -31,3 +31,8 @@ def test_play_that_is_worn_round_home_is_told_in_place_of_friction_beside_slack(
 def test_plain_play_is_left_alone():
     found = explained(recorded({"backlash": {"width": 4.0}}))
     assert played(found.search, found.choices[0]) is found.choices[0]
+
+
+def test_play_in_a_pin_behind_a_bent_curve_is_no_friction() -> None:
+    best = explained(recorded({"backlash/pin": {"width": 4.0}}, cycles=9)).choices[0]
+    assert [(p.term.name, p.term.form) for p in best.fit.pieces] == [("backlash", "pin")]
