@@ -29,7 +29,7 @@ class DrivenStretch(Compliance):
         return (
             Parameter("softness", "", 0.0, 0.5, 0.2, 0.2),
             Parameter("reach", unit, 0.02 * far, 4.0 * far, 0.4 * far, 0.4 * far),
-            Parameter("abruptness", "", 0.4, 8.0, 2.0, 0.0),
+            Parameter("abruptness", "", 0.4, 40.0, 2.0, 0.0),
             Parameter("centre", unit, low, high, 0.0, 0.1 * far, weak=True),
         )
 

@@ -23,7 +23,7 @@ def test_a_zero_that_walks_is_no_drift_until_the_odds_are_two_to_one():
     assert result.diagnoses[0].verdict == "no_mismatch"
 
 
-@pytest.mark.parametrize(("size", "found"), [(0.1, set()), (0.5, {"drift"})])
+@pytest.mark.parametrize(("size", "found"), [(0.1, set()), (0.5, {"drift"}), (4.0, {"drift"})])
 def test_a_zero_that_wanders_from_cycle_to_cycle_is_a_drift_where_it_exceeds_the_noise(size, found):
     whole = recorded({}, cycles=9, seed=5)
     walk = size * np.cumsum([0.0, 1.0, -1.5, -1.0, 2.0, 0.5, -1.5, 1.5, 0.5])

@@ -27,7 +27,7 @@ def measured(off: np.ndarray) -> np.ndarray:
 
 
 def found(off: np.ndarray, repeats: tuple[np.ndarray, ...] = ()) -> np.ndarray:
-    return late_frames(measured(off), POSE, EVERY, 1e-9, CYCLE, repeats)
+    return late_frames(measured(off), POSE, EVERY, 1e-9, CYCLE, repeats).late
 
 
 def behind(by: np.ndarray) -> np.ndarray:
@@ -40,6 +40,16 @@ def test_frames_that_are_late_at_random_are_found(frames: int, share: float) -> 
     by = np.where(np.random.default_rng(2).random(N) < share, frames, 0)
     by[:5] = 0
     assert np.mean(found(behind(by)) == by) > 0.97
+
+
+@pytest.mark.parametrize("share", [0.25, 0.4, 0.7])
+def test_frames_are_found_late_where_a_fit_took_their_mean_for_a_lag(share: float) -> None:
+    by = (np.random.default_rng(2).random(N) < share).astype(int)
+    lagging = POSE - share * np.diff(POSE, prepend=0.0)
+    told = late_frames(measured(behind(by)), lagging, EVERY, 1e-9, CYCLE)
+    usual = int(share > 0.5)
+    assert np.mean(told.late[~told.unsure] == (by - usual)[~told.unsure]) > 0.95
+    assert np.mean(told.since[told.late != 0] > 0) == pytest.approx(1.0 - usual, abs=0.01)
 
 
 def test_frames_that_are_frozen_for_a_while_are_found_late_and_later() -> None:
@@ -68,13 +78,26 @@ def test_noise_of_about_a_step_is_no_late_frame(steps: float) -> None:
     rng = np.random.default_rng(6)
     for _ in range(20):
         noisy = POSE + rng.standard_normal(N) / steps
-        assert not late_frames(noisy, POSE, EVERY, 1e-9, CYCLE).any()
+        assert not late_frames(noisy, POSE, EVERY, 1e-9, CYCLE).aside.any()
 
 
 def test_what_lags_at_the_same_steps_of_each_cycle_is_the_mechanism() -> None:
     by = np.where(np.isin(np.arange(N) % ROWS, np.arange(60, 140, 6)), 3, 0)
     assert found(behind(by)).any()
     assert not found(behind(by), (np.arange(N).reshape(CYCLES, ROWS),)).any()
+
+
+def test_a_diagnosis_names_frames_of_which_every_other_is_late_by_chance() -> None:
+    recording = recorded({})
+    pose = recording.values(SIMULATED)
+    late = np.random.default_rng(5).random(len(pose)) < 0.4
+    late[:2] = False
+    moved = (np.roll(pose, 1) - pose) * np.ptp(recording.values(ANGLE)) / np.ptp(pose)
+    angle = recording.values(ANGLE) + np.where(late, moved, 0.0)
+    result = diagnosed(changed(recording, **{ANGLE: angle}))
+    assert names(result) == {"frame_lag"}
+    assert value_of(result, "frame_lag", "share").value == pytest.approx(late.mean(), abs=0.05)
+    assert result.diagnoses[0].after.heldout_rmse < 1.15 * NOISE
 
 
 def test_a_diagnosis_names_frames_that_are_late_now_and_then() -> None:

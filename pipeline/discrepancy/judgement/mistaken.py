@@ -4,8 +4,10 @@ from collections.abc import Container
 
 import numpy as np
 
+from pipeline.discrepancy.judgement.cycle_zero import about_each_zero, wanders_by_cycle
 from pipeline.discrepancy.model.intervals import undated
 from pipeline.discrepancy.model.result import Estimate, Evidence, NamedPhysics, root_mean
+from pipeline.discrepancy.problem.late import LateFrames
 from pipeline.discrepancy.problem.problem import Problem
 from pipeline.discrepancy.search.counted import INCREDIBLE, late_rows, repeats_of
 from pipeline.discrepancy.search.explain import Explanation
@@ -40,7 +42,9 @@ def mistaken_frames(
     few = alone(incredible(explanation)) < FEWEST
     if unexplained and (few or found[1].value < FAR * noise or after_some_steps(explanation)):
         return None
-    name = "frame_lag" if stale(explanation) and "frame_lag" not in taken else "marker_outliers"
+    name = "frame_lag" if stale(explanation) else "marker_outliers"
+    if name in taken:
+        return None
     off, heldout = evidence.measured - evidence.after, evidence.heldout
     return NamedPhysics(
         name=name,
@@ -64,7 +68,7 @@ def share_and_size(explanation: Explanation) -> tuple[Estimate, Estimate] | None
     problem, fit = explanation.problem, explanation.choices[0].fit
     rows = incredible(explanation)
     count, n = int(rows.sum()), int(problem.train.sum())
-    every = np.abs(problem.measured - fit.predicted)
+    every = np.abs(left_by(explanation))
     far = rows & (every > FAR * fit.ground.noise.deviation)
     if alone(rows) < FEWEST and alone(far) < FEWEST_FAR:
         return None
@@ -112,13 +116,14 @@ def stale_now_and_then(problem: Problem, evidence: Evidence) -> NamedPhysics | N
 
 def late_now_and_then(explanation: Explanation, evidence: Evidence) -> NamedPhysics | None:
     """Frames of an earlier pose among others that are none, with their share and how late."""
-    late, train = late_by(explanation), explanation.problem.train
-    if not late.any():
+    found, train = late_by(explanation), explanation.problem.train
+    if not found.late[train].any():
         return None
-    by = late[late > 0]
-    error = Z * float(np.std(by)) / np.sqrt(len(by))
-    share = share_of(len(by), int(train.sum()))
-    lag = Estimate("lag", float(by.mean()), by.mean() - error, by.mean() + error, "frames")
+    by = found.since[train & ~found.unsure]
+    late = by[by > 0]
+    error = Z * float(np.std(late)) / np.sqrt(len(late))
+    share = share_of(len(late), len(by))
+    lag = Estimate("lag", float(late.mean()), late.mean() - error, late.mean() + error, "frames")
     off, heldout = evidence.measured - evidence.after, evidence.heldout
     return NamedPhysics(
         name="frame_lag",
@@ -131,13 +136,12 @@ def late_now_and_then(explanation: Explanation, evidence: Evidence) -> NamedPhys
     )
 
 
-def late_by(explanation: Explanation) -> np.ndarray:
-    """How many samples late the training rows (n,) of the best choice are."""
+def late_by(explanation: Explanation) -> LateFrames:
+    """Which rows of the best choice show another pose than the usual ones."""
     problem, prior = explanation.problem, explanation.prior
-    late = late_rows(
+    return late_rows(
         problem, explanation.choices[0].fit.predicted, prior, repeats_of(problem, prior)
     )
-    return np.where(problem.train, late, 0)
 
 
 def incredible(explanation: Explanation) -> np.ndarray:
@@ -147,9 +151,18 @@ def incredible(explanation: Explanation) -> np.ndarray:
     """
     problem, fit = explanation.problem, explanation.choices[0].fit
     rows = problem.train & explanation.outliers & ~undated(fit, problem.motion.time_s)
-    rows &= late_by(explanation) == 0
-    off = np.abs(problem.measured - fit.predicted)
+    rows &= ~late_by(explanation).aside
+    off = np.abs(left_by(explanation))
     return np.asarray(rows & (off > INCREDIBLE * fit.ground.noise.deviation))
+
+
+def left_by(explanation: Explanation) -> np.ndarray:
+    """What the best choice leaves of each row, (n,), about each cycle's zero where these differ."""
+    problem, choice = explanation.problem, explanation.choices[0]
+    off = problem.measured - choice.fit.predicted
+    if not wanders_by_cycle(choice):
+        return off
+    return about_each_zero(off, problem.cycle, explanation.used & np.isfinite(off))
 
 
 def after_some_steps(explanation: Explanation) -> bool:

@@ -14,10 +14,33 @@ from pipeline.discrepancy.problem.outliers import (
 
 LATEST = 6
 CREDIBLE, TURNS, SETTLED, SELDOM = 3.5, 60, 1e-3, 0.015
+BEGUN, FEW_ROWS, FEW_TURNS = (0.0, 0.4, 0.8), 300, 15
 BY_CHANCE, NEARLY_ALL = 1e-4, 0.8
-LEAST, MOST = 0.03, 0.45
-EVIDENCE = 15.0
+LEAST, MOST, MOST_UNSURE = 0.03, 0.6, 0.7
+EVIDENCE, OVERWHELMING, SEEN = 15.0, 150.0, 0.2
 SPREAD = 2.0
+SURELY, NO_MATTER, FRESH = 0.9, 0.5, 0.1
+
+
+@dataclass(frozen=True)
+class LateFrames:
+    """late: (n,) how many samples later than the usual ones each shows its pose; negative: earlier.
+
+    unsure: (n,) mask of those of which nobody can say, though it matters there.
+    """
+
+    late: np.ndarray
+    unsure: np.ndarray
+
+    @property
+    def aside(self) -> np.ndarray:
+        """Mask (n,) of the samples that do not surely show the usual pose."""
+        return (self.late != 0) | self.unsure
+
+    @property
+    def since(self) -> np.ndarray:
+        """How many samples late each is, (n,), if those that show the latest pose are not."""
+        return np.asarray(self.late - self.late.min(initial=0))
 
 
 def late_frames(
@@ -27,35 +50,54 @@ def late_frames(
     finest: float,
     cycle: np.ndarray,
     repeats: Sequence[np.ndarray] = (),
-) -> np.ndarray:
-    """How many samples late each (n,) shows its pose: 0, or up to LATEST where it surely does.
+) -> LateFrames:
+    """Which samples surely show an earlier pose than the usual ones, or a later one.
 
-    Whether frames are late at all is judged on `train`: of samples that agree with another pose
-    than their own, as many would by chance agree with a later one as with an earlier one, which a
-    late camera alone shows. Those in a row count once, and are no more than a burst has
-    (`longest_burst`): a mechanism that stays behind does so for longer, or again in other cycles.
-    Fewer than LEAST are the tail of the noise; so are any where that alone is about as likely.
+    Whether frames are late at all is judged on `train`. Those in a row are no more than a burst has
+    (`longest_burst`), or than chance makes of so many: a mechanism that stays behind does so for
+    longer, or again in other cycles. Fewer than LEAST are the tail of the noise; so are any where
+    that alone is about as likely, or hardly any step exceeds it; and as many would by chance agree
+    with a later pose as with an earlier one (`as_often_ahead`), unless the evidence is OVERWHELMING
+    and hardly any stand off where no pose is.
     """
-    nothing = np.zeros(len(measured), dtype=int)
-    off = measured - predicted
-    scale = max(robust_deviation(off[train & np.isfinite(off)]), finest)
-    poses = poses_learnt(measured, predicted, train, scale, finest)
-    late = poses.shown()
-    if np.mean(late[train] > 0) < LEAST or poses.likelier() < EVIDENCE:
+    none = np.zeros(len(measured), dtype=int)
+    nothing = LateFrames(none, none > 0)
+    judged = train & np.isfinite(measured - predicted)
+    poses = poses_learnt(measured, predicted, judged, finest)
+    told, evidence = poses.told(), poses.likelier()
+    odd = told.late != 0
+    share = float(np.mean(odd[judged])) if judged.any() else 0.0
+    seen = judged & (np.abs(poses.step) > poses.scale)
+    if not LEAST <= share <= MOST or evidence < EVIDENCE or seen.sum() < SEEN * judged.sum():
         return nothing
-    back = poses_learnt(measured[::-1], predicted[::-1], train[::-1], scale, finest)
-    ahead = back.shown()[::-1]
-    longest = longest_burst(cycle)
-    known = np.isfinite(off)
-    short = (late > 0) & in_short_runs(late > 0, known, longest)
-    if short[train].sum() < NEARLY_ALL * (late > 0)[train].sum() or again(short, repeats):
+    longest = max(longest_burst(cycle), longest_by_chance(share, int(judged.sum())))
+    short = odd & in_short_runs(odd, np.isfinite(measured - predicted), longest)
+    if short[train].sum() < NEARLY_ALL * odd[train].sum():
         return nothing
-    before, after = runs(short & train, known & train), runs((ahead > 0) & train, known & train)
-    if short[train & known].mean() > MOST or before < NEARLY_ALL * (before + after):
+    if again(short, repeats, poses.matters) or told.aside[judged].mean() > MOST_UNSURE:
         return nothing
-    if bdtrc(before - 1, before + after, 0.5) > BY_CHANCE:
-        return nothing
-    return np.where(short, late, 0)
+    stray = int(np.sum(judged & ~poses.near))
+    clear = odd[judged].sum() > NEARLY_ALL * (odd[judged].sum() + stray)
+    if not (clear and evidence > OVERWHELMING):
+        back = poses_learnt(measured[::-1], predicted[::-1], judged[::-1], finest)
+        if as_often_ahead(short & judged, back.told().late[::-1] != 0, judged):
+            return nothing
+    return LateFrames(np.where(short, told.late, 0), told.unsure | (odd & ~short))
+
+
+def as_often_ahead(late: np.ndarray, ahead: np.ndarray, judged: np.ndarray) -> bool:
+    """Whether about as many samples show a later pose, as by chance they would, as an earlier one.
+
+    Masks (n,) of these, and of those judged. Some in a row count once.
+    """
+    before, after = runs(late, judged), runs(ahead & judged, judged)
+    few = before < NEARLY_ALL * (before + after)
+    return few or bool(bdtrc(before - 1, before + after, 0.5) > BY_CHANCE)
+
+
+def longest_by_chance(share: float, count: int) -> int:
+    """How many in a row a share of `count` samples that are drawn by lot hardly exceeds."""
+    return int(np.ceil(np.log(BY_CHANCE / count) / np.log(share)))
 
 
 @dataclass(frozen=True)
@@ -99,36 +141,69 @@ class Poses:
         alone = np.log(max(float(np.mean((error - slope * step) ** 2)), 1e-300)) + 1.0
         return float(len(error) * alone + 2.0 * np.sum(np.log(self.weights(rows).sum(axis=0))))
 
-    def shown(self) -> np.ndarray:
-        """How many samples before (n,) the likeliest pose of each is, from 0 to LATEST."""
-        rows = np.flatnonzero(self.near)
+    @property
+    def fresh(self) -> bool:
+        """Whether it says more than that frames, late as a rule, are fresh once in a while.
+
+        Those are mistakes: to either side as often.
+        """
+        before = self.shares[: int(np.argmax(self.shares))]
+        return len(before) == 0 or float(before.sum()) > FRESH
+
+    @property
+    def matters(self) -> np.ndarray:
+        """Mask (n,) of samples a step before which is no matter of noise."""
+        return np.abs(self.step) > NO_MATTER * self.scale
+
+    def told(self) -> LateFrames:
+        """The likeliest pose of each sample, from the usual one on, and whether it surely is."""
+        rows, usual = np.flatnonzero(self.near), int(np.argmax(self.shares))
         joint = self.weights(rows)
-        out = np.zeros(len(self.step), dtype=int)
-        late = joint[0] < 0.5 * joint.sum(axis=0)
-        out[rows] = np.where(late, 1 + np.argmax(joint[1:], axis=0), 0)
-        return out
+        every, own = joint.sum(axis=0), joint[usual]
+        joint[usual] = np.where(own < 0.5 * every, 0.0, np.inf)
+        late, unsure = np.zeros(len(self.step), dtype=int), np.zeros(len(self.step), dtype=bool)
+        late[rows] = np.argmax(joint, axis=0) - usual
+        unsure[rows] = (late[rows] == 0) & (own < SURELY * every)
+        return LateFrames(late, unsure & self.matters)
 
 
 def poses_learnt(
-    measured: np.ndarray, predicted: np.ndarray, train: np.ndarray, scale: float, finest: float
+    measured: np.ndarray, predicted: np.ndarray, judged: np.ndarray, finest: float
 ) -> Poses:
-    """The mixture that suits the samples of `train` best, begun at a spread of `scale`.
+    """The mixture that suits the samples `judged`, a mask (n,), best.
+
+    Begun at several shifts, each tried on some of the samples: a fit may have taken the mean of all
+    poses for a lag, and then half of a pose is no step away from all of it.
+    """
+    scale = max(robust_deviation((measured - predicted)[judged]), finest)
+    rows = np.maximum(np.arange(len(measured)) - np.arange(LATEST + 1)[:, None], 0)
+    step = np.diff(predicted, prepend=predicted[:1])
+    error = measured - predicted[rows]
+    shares = np.full(LATEST + 1, 0.5 / LATEST)
+    shares[0] = 0.5
+    some = np.flatnonzero(judged)[:: max(int(judged.sum()) // FEW_ROWS, 1)]
+    every = np.ones(len(some), dtype=bool)
+    begun = [
+        learnt(Poses(shares, shift, scale, error[:, some], step[some], every), finest, FEW_TURNS)
+        for shift in BEGUN
+    ]
+    best = max(begun, key=lambda p: p.likelier() if p.fresh else -np.inf)
+    return learnt(replace(best, error=error, step=step, train=judged), finest, TURNS)
+
+
+def learnt(poses: Poses, finest: float, turns: int) -> Poses:
+    """A mixture after some turns, or fewer where it stands still.
 
     By expectation and maximisation (Dempster et al., J. R. Stat. Soc. B 39 (1977) 1).
     """
-    rows = np.maximum(np.arange(len(measured)) - np.arange(LATEST + 1)[:, None], 0)
-    shares = np.full(LATEST + 1, 0.5 / LATEST)
-    shares[0] = 0.5
-    step = np.diff(predicted, prepend=predicted[:1])
-    poses = Poses(shares, 0.0, scale, measured - predicted[rows], step, train)
-    for _ in range(TURNS):
-        learnt = poses.near & train
-        joint = poses.weights(np.flatnonzero(learnt))
-        weight = joint / joint.sum(axis=0)
+    for _ in range(turns):
+        near = poses.near & poses.train
+        joint = poses.weights(np.flatnonzero(near))
+        weight = joint / np.maximum(joint.sum(axis=0), 1e-300)
         last, shares = poses.shares, np.mean(weight, axis=1)
         if shares[0] > 1.0 - SELDOM or np.max(np.abs(shares - last)) < SETTLED:
             return replace(poses, shares=shares)
-        moved, error = step[learnt], poses.error[:, learnt]
+        moved, error = poses.step[near], poses.error[:, near]
         shift = float(np.sum(weight * error * moved) / max(np.sum(moved**2), 1e-300))
         spread = np.sum(weight * (error - shift * moved) ** 2, axis=0)
         scale = max(float(np.sqrt(np.mean(spread))), finest)
@@ -136,14 +211,15 @@ def poses_learnt(
     return poses
 
 
-def again(some: np.ndarray, repeats: Sequence[np.ndarray]) -> bool:
+def again(some: np.ndarray, repeats: Sequence[np.ndarray], judged: np.ndarray) -> bool:
     """Whether some samples (n,) are so at the same steps of cycles that repeat each other.
 
+    Of those alone that can be judged (n,).
     Then their counts at each step differ by more than those of as many independent samples, whose
     variance is the binomial one. repeats: row numbers (repeats, steps), -1 where a cycle lacks one.
     """
     for rows in repeats:
-        known = rows >= 0
+        known = (rows >= 0) & judged[rows]
         known &= known.sum(axis=0) >= FEWEST_REPEATS
         of, count = known.sum(axis=0), (some[rows] & known).sum(axis=0)
         share = count.sum() / max(of.sum(), 1)

@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 
 from pipeline.discrepancy.noise.learning import NoisePrior
-from pipeline.discrepancy.problem.late import late_frames
+from pipeline.discrepancy.problem.late import LateFrames, late_frames
 from pipeline.discrepancy.problem.outliers import (
     alike,
     at_commands,
@@ -47,7 +47,7 @@ def mistaken_rows(problem: Problem, choice: Choice, prior: NoisePrior) -> np.nda
     out &= ~returning(distances(off), repeats)
     out |= isolated(off, problem.train, prior.finest, problem.cycle, repeats)
     out &= ~(usual(problem, off, prior) | leaping(problem, choice))
-    late = problem.train & (late_rows(problem, fit.predicted, prior, repeats) > 0)
+    late = problem.train & late_rows(problem, fit.predicted, prior, repeats).aside
     return out | between_slips(problem, choice) | late
 
 
@@ -56,13 +56,14 @@ def late_rows(
     predicted: np.ndarray,
     prior: NoisePrior,
     repeats: Sequence[np.ndarray] = (),
-) -> np.ndarray:
-    """How many samples late rows (n,) show their pose, see `late_frames`; no rows of a force.
+) -> LateFrames:
+    """Which rows show another pose, see `late_frames`; no rows of a force.
 
     None either where the rows are not all samples.
     """
     if problem.motion.kinetics is not None or problem.picked is not None:
-        return np.zeros(len(predicted), dtype=int)
+        none = np.zeros(len(predicted), dtype=int)
+        return LateFrames(none, none > 0)
     measured, train = problem.measured, problem.train
     return late_frames(measured, predicted, train, prior.finest, problem.cycle, repeats)
 
@@ -71,7 +72,7 @@ def set_aside(problem: Problem, predicted: np.ndarray, prior: NoisePrior) -> np.
     """Rows (n,), held-out ones too, that are mistaken or late as a prediction (n,) says."""
     off = problem.measured - predicted
     odd = isolated(off, problem.train, prior.finest, problem.cycle)
-    return np.asarray(odd | (late_rows(problem, predicted, prior, [alike_rows(problem)]) > 0))
+    return np.asarray(odd | late_rows(problem, predicted, prior, [alike_rows(problem)]).aside)
 
 
 def between_slips(problem: Problem, choice: Choice) -> np.ndarray:
