@@ -89,10 +89,14 @@ class Creep(Term):
         arm[:, 1] = time_constant * (1.0 - share)
         return Load(arm=arm)
 
+    def arms(self, values: np.ndarray) -> list[np.ndarray]:
+        """Share and time constant of each arm, (2,)."""
+        return [values[:2], values[-2:]][: 2 if "two" in self.form else 1]
+
     def respond(
         self, signal: np.ndarray, motion: Motion, values: np.ndarray, state: np.ndarray | None
     ) -> tuple[np.ndarray, np.ndarray]:
-        arms = [values[:2], values[-2:]][: 2 if "two" in self.form else 1]
+        arms = self.arms(values)
         moving = float(values[2]) if self.before_curve else float(self.form == "running")
         if state is None:
             begun = signal[0] + (values[3] if self.before_curve else 0.0)
@@ -120,8 +124,13 @@ class Creep(Term):
         return around.drive_span > 0.0 and around.dwell_s > 0.0 and runs
 
     def instead(self, values: np.ndarray, motion: Motion, around: Surroundings) -> Sequence[Told]:
-        """A lag of the whole motion, where its share is the largest."""
-        return [[(ResponseLag(), values[1:2])]] if values[0] >= LARGEST else ()
+        """A lag of the whole motion in place of an arm, where the share of that is the largest."""
+        arms = self.arms(values)
+        return [
+            [(ResponseLag(), arm[1:]), *((Creep(), other) for other in arms if other is not arm)]
+            for arm in arms
+            if arm[0] >= LARGEST
+        ]
 
     def slight(self, values: np.ndarray, around: Surroundings) -> bool:
         """A second arm slower than some cycles hardly answers them: its one settling is a drift."""

@@ -301,6 +301,13 @@ def test_every_name_that_a_report_may_list_says_what_it_is(one):
     [
         ("slack", "home", [6.0, 0.3, 0.1], [4.0, 1.5, 0.1], ["compliance/toe"]),
         ("creep", "one", [0.5, 8.0], [0.8, 8.0], ["response_lag/first"]),
+        (
+            "creep",
+            "two",
+            [0.5, 8.0, 0.1, 90.0],
+            [0.8, 8.0, 0.1, 90.0],
+            ["response_lag/first", "creep/one"],
+        ),
         ("contact", "lower", [5.9, -20.0, 0.3], [6.0, -20.0, 0.3], ["end_stop/lower"]),
     ],
 )
