@@ -171,7 +171,7 @@ def richer(term: Term) -> tuple[Term, ...]:
 
     What bends one static curve is one family in any data: each of it may be the one that bends most
     freely, and that one what bends in the middle, lest something else is named for what its own
-    form is too narrow to hold.
+    form is too narrow to hold. A ripple may be one of RIPPLES.
     """
     if term.name == TransmissionRipple.name:
         return (*term.richer(), *RIPPLES.get(term.form, ()))

@@ -49,7 +49,7 @@ def test_frames_are_found_late_where_a_fit_took_their_mean_for_a_lag(share: floa
     told = late_frames(measured(behind(by)), lagging, EVERY, 1e-9, CYCLE)
     usual = int(share > 0.5)
     assert np.mean(told.late[~told.unsure] == (by - usual)[~told.unsure]) > 0.95
-    assert np.mean(told.since[told.late != 0] > 0) == pytest.approx(1.0 - usual, abs=0.01)
+    assert np.mean(told.since(told.late != 0) > 0) == pytest.approx(1.0 - usual, abs=0.01)
 
 
 def test_frames_that_are_frozen_for_a_while_are_found_late_and_later() -> None:

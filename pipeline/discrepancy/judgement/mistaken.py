@@ -62,8 +62,7 @@ def share_and_size(explanation: Explanation) -> tuple[Estimate, Estimate] | None
 
     Judged on training rows that the noise does not make credible; neighbours count once, and those
     between which a slip may lie not at all. Of those that are off by more than FAR times the noise
-    fewer will do. The share's interval is Wilson's, the size's that of a
-    mean.
+    fewer will do. The share's interval is Wilson's, the size's that of a mean.
     """
     problem, fit = explanation.problem, explanation.choices[0].fit
     rows = incredible(explanation)
@@ -119,7 +118,7 @@ def late_now_and_then(explanation: Explanation, evidence: Evidence) -> NamedPhys
     found, train = late_by(explanation), explanation.problem.train
     if not found.late[train].any():
         return None
-    by = found.since[train & ~found.unsure]
+    by = found.since(train)
     late = by[by > 0]
     error = Z * float(np.std(late)) / np.sqrt(len(late))
     share = share_of(len(late), len(by))

@@ -37,10 +37,15 @@ class LateFrames:
         """Mask (n,) of the samples that do not surely show the usual pose."""
         return (self.late != 0) | self.unsure
 
-    @property
-    def since(self) -> np.ndarray:
-        """How many samples late each is, (n,), if those that show the latest pose are not."""
-        return np.asarray(self.late - self.late.min(initial=0))
+    def since(self, rows: np.ndarray) -> np.ndarray:
+        """How late those of some rows are that are sure, if those of the latest pose are not."""
+        late = self.late[rows & ~self.unsure]
+        return np.asarray(late - late.min(initial=0))
+
+
+def none_late(count: int) -> LateFrames:
+    """Of so many samples each shows the usual pose."""
+    return LateFrames(np.zeros(count, dtype=int), np.zeros(count, dtype=bool))
 
 
 def late_frames(
@@ -60,13 +65,14 @@ def late_frames(
     with a later pose as with an earlier one (`as_often_ahead`), unless the evidence is OVERWHELMING
     and hardly any stand off where no pose is.
     """
-    none = np.zeros(len(measured), dtype=int)
-    nothing = LateFrames(none, none > 0)
+    nothing = none_late(len(measured))
     judged = train & np.isfinite(measured - predicted)
+    if not judged.any():
+        return nothing
     poses = poses_learnt(measured, predicted, judged, finest)
     told, evidence = poses.told(), poses.likelier()
     odd = told.late != 0
-    share = float(np.mean(odd[judged])) if judged.any() else 0.0
+    share = float(np.mean(odd[judged]))
     seen = judged & (np.abs(poses.step) > poses.scale)
     if not LEAST <= share <= MOST or evidence < EVIDENCE or seen.sum() < SEEN * judged.sum():
         return nothing
@@ -214,9 +220,9 @@ def learnt(poses: Poses, finest: float, turns: int) -> Poses:
 def again(some: np.ndarray, repeats: Sequence[np.ndarray], judged: np.ndarray) -> bool:
     """Whether some samples (n,) are so at the same steps of cycles that repeat each other.
 
-    Of those alone that can be judged (n,).
-    Then their counts at each step differ by more than those of as many independent samples, whose
-    variance is the binomial one. repeats: row numbers (repeats, steps), -1 where a cycle lacks one.
+    Of those alone that can be judged (n,). Then their counts at each step differ by more than those
+    of as many independent samples, whose variance is the binomial one. repeats: row numbers
+    (repeats, steps), -1 where a cycle lacks one.
     """
     for rows in repeats:
         known = (rows >= 0) & judged[rows]

@@ -51,11 +51,11 @@ def contested(search: Search, choices: Sequence[Choice]) -> list[Choice]:
 def levelled(search: Search, choices: Sequence[Choice]) -> list[Choice]:
     """The choices (best first), with near rivals of other names in forms as rich as suit them.
 
-    They have one other name, or two in place of one.
-    A search grows the forms of what is best on its way: a rival that was left with plainer ones
-    looks worse than its name is, and so does one grown beside fewer. It takes over the forms of the
-    names that both have, or the other bend of a static curve; its own name is made plain, or grown.
-    What is slow is left as it is: enough slips follow any drift.
+    They have one other name, or two in place of one. A search grows the forms of what is best on
+    its way: a rival that was left with plainer ones looks worse than its name is, and so does one
+    grown beside fewer. It takes over the forms of the names that both have, or the other bend of a
+    static curve; its own names are made plain, or grown. What is slow is left as it is: enough
+    slips follow any drift.
     """
     best, found = choices[0], list(choices)
     near = [c for c in by_names(list(choices)) if c.score < best.score + FAR]

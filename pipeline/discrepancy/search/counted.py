@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 
 from pipeline.discrepancy.noise.learning import NoisePrior
-from pipeline.discrepancy.problem.late import LateFrames, late_frames
+from pipeline.discrepancy.problem.late import LateFrames, late_frames, none_late
 from pipeline.discrepancy.problem.outliers import (
     alike,
     at_commands,
@@ -62,8 +62,7 @@ def late_rows(
     None either where the rows are not all samples.
     """
     if problem.motion.kinetics is not None or problem.picked is not None:
-        none = np.zeros(len(predicted), dtype=int)
-        return LateFrames(none, none > 0)
+        return none_late(len(predicted))
     measured, train = problem.measured, problem.train
     return late_frames(measured, predicted, train, prior.finest, problem.cycle, repeats)
 
