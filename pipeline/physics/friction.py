@@ -5,10 +5,9 @@ from typing import ClassVar
 
 import numpy as np
 
-from pipeline.physics.backlash import Backlash
+from pipeline.physics.backlash import PIN, Backlash
 from pipeline.physics.balance import Load
 from pipeline.physics.motion import Motion
-from pipeline.physics.pin_play import PinPlay
 from pipeline.physics.pre_sliding import ELEMENTS, WIDEST, dragging, reaches_of, weighted
 from pipeline.physics.rising_creep import rising_as
 from pipeline.physics.slack import HOME, Slack
@@ -125,7 +124,7 @@ class Friction(Term):
             held = np.array([own * width, own * reach, spread])
             found.append([(Friction(), held), (slack, loose)])
         if not self.before_curve and reach < SHARP * width:
-            found.append([(PinPlay(), values[:1])])
+            found.append([(Backlash(PIN), values[:1])])
         if self.form == WRAPPED:
             loop = width * (1.0 + values[3] * 0.25 * around.angle_span)
             found += [[told] for told in rising_as(loop / max(slope, 1e-12), around)]
