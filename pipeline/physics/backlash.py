@@ -38,6 +38,8 @@ class Backlash(Term):
         self.before_curve = form != PIN
         self.place = {AHEAD: BEFORE_RIPPLE, PIN: BEHIND_JOINT}.get(form, Backlash.place)
         self.only_beside = TransmissionRipple.name if form == AHEAD else ""
+        # Where the nominal curve is straight, chance would decide.
+        self.unlikely = 1.0 if form == PIN else 0.0
 
     @property
     def in_usual_order(self) -> str:
