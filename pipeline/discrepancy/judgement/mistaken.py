@@ -4,7 +4,7 @@ from collections.abc import Container
 
 import numpy as np
 
-from pipeline.discrepancy.judgement.cycle_zero import about_each_zero, wanders_by_cycle
+from pipeline.discrepancy.judgement.cycle_zero import about_each_zero
 from pipeline.discrepancy.model.intervals import undated
 from pipeline.discrepancy.model.result import Estimate, Evidence, NamedPhysics, root_mean
 from pipeline.discrepancy.problem.late import LateFrames
@@ -156,10 +156,10 @@ def incredible(explanation: Explanation) -> np.ndarray:
 
 
 def left_by(explanation: Explanation) -> np.ndarray:
-    """What the best choice leaves of each row, (n,), about each cycle's zero where these differ."""
-    problem, choice = explanation.problem, explanation.choices[0]
-    off = problem.measured - choice.fit.predicted
-    if not wanders_by_cycle(choice):
+    """What the best choice leaves of each row, (n,), about each cycle's zero where that jitters."""
+    problem, fit = explanation.problem, explanation.choices[0].fit
+    off = problem.measured - fit.predicted
+    if fit.ground.noise.jitter == 0.0:
         return off
     return about_each_zero(off, problem.cycle, explanation.used & np.isfinite(off))
 
