@@ -23,9 +23,6 @@ class OffCentreRipple(TransmissionRipple):
     form = "eccentric afloat"
     grows: ClassVar = {}
 
-    def __init__(self) -> None:
-        super().__init__(self.form)
-
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
         off = Parameter("eccentricity", "", -FARTHEST, FARTHEST, 0.3, 0.3)
         return *super().parameters(around), off

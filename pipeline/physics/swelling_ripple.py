@@ -22,9 +22,6 @@ class SwellingRipple(TransmissionRipple):
     scanned = True
     grows: ClassVar = {}
 
-    def __init__(self) -> None:
-        super().__init__(self.form)
-
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
         span, unit = around.drive_span, around.drive_unit
         return (

@@ -42,6 +42,7 @@ class TransmissionRipple(Term):
     """
 
     name = "transmission_ripple"
+    form = "first"
     site = "actuator"
     place = 20.0
     periodic = True
@@ -59,10 +60,10 @@ class TransmissionRipple(Term):
         "The drive runs ahead and behind by {amplitude}, again and again every {period} of shaft."
     )
 
-    def __init__(self, form: str = "first") -> None:
-        self.form = form
-        self.overtones = OVERTONES.get(form.removesuffix(" afloat"), ())
-        self.going_on = GOING_ON.get(form.removesuffix(" afloat"), ())
+    def __init__(self, form: str = "") -> None:
+        super().__init__(form)
+        self.overtones = OVERTONES.get(self.form.removesuffix(" afloat"), ())
+        self.going_on = GOING_ON.get(self.form.removesuffix(" afloat"), ())
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
         span, unit = around.drive_span, around.drive_unit

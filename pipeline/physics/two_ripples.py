@@ -25,9 +25,6 @@ class TwoRipples(TransmissionRipple):
     scanned = True
     grows: ClassVar = {}
 
-    def __init__(self) -> None:
-        super().__init__(self.form)
-
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
         own = super().parameters(around)
         return own + tuple(replace(p, name=f"other_{p.name}") for p in own)

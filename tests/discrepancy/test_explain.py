@@ -18,6 +18,7 @@ from pipeline.discrepancy.search.explain import (
     refuted,
     searched_wide,
 )
+from pipeline.discrepancy.search.moves import merged
 from pipeline.physics.catalogue import term
 from pipeline.physics.mechanism import Piece
 from tests.discrepancy.made import NOISE, explained, posed, recorded
@@ -285,6 +286,21 @@ def test_a_second_name_is_grown_before_a_third_is_looked_for():
     found = explained(recording)
     begun = choose(found.search, found.choices[0].fit.ground)
     assert len(begun[0].fit.pieces) == 2
+
+
+def test_what_was_grown_beside_a_lag_of_another_form_is_made_plain_again():
+    hidden = {"response_lag/motor": {}, "creep/wire": {"share": 0.4, "time_constant": 12.0}}
+    found = explained(recorded(hidden, cycles=9))
+    search, best = found.search, found.choices[0]
+    starts = {
+        ("creep", "wire two"): [0.7, 3.5, 0.7, -5.5, 0.4, 12.3],
+        ("response_lag", "second"): [0.7, 0.4, 0.35],
+    }
+    pieces = [Piece(term(*name), np.array(values)) for name, values in starts.items()]
+    grown = search.weighed(improve(evaluate(best.fit.ground, pieces), 30), best.place)
+    other = merged(search, grown)
+    assert other.fit.key == {("response_lag", "motor"), ("creep", "one")}
+    assert other.score < grown.score - 10.0
 
 
 def test_play_and_an_old_frame_are_one_lag_of_second_order():

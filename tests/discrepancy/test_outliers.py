@@ -8,7 +8,7 @@ import pytest
 
 from pipeline.discrepancy.fitting.fit import evaluate
 from pipeline.discrepancy.fitting.ground import ground_of
-from pipeline.discrepancy.judgement.mistaken import after_some_steps
+from pipeline.discrepancy.judgement.mistaken import after_some_steps, share_and_size
 from pipeline.discrepancy.noise.noise import NoiseModel
 from pipeline.discrepancy.problem.outliers import bursts, isolated, longest_burst
 from pipeline.discrepancy.search.choose import Choice
@@ -143,3 +143,14 @@ def test_two_mistaken_frames_are_named_where_they_are_far_off(size: float, named
     angle = recording.values(ANGLE).copy()
     angle[[STEPS + 70, 3 * STEPS + 31]] += size * NOISE
     assert names(diagnosed(changed(recording, **{ANGLE: angle}))) == named
+
+
+@pytest.mark.parametrize("jitter", [0.0, 20.0 * NOISE])
+def test_the_first_frames_of_cycles_whose_zero_jumps_are_not_mistaken(jitter: float) -> None:
+    recording, zeros = recorded({}), 20.0 * NOISE * np.array([1.0, -1.0, 0.0, 1.0, -1.0, 0.0])
+    angle = recording.values(ANGLE) + zeros[recording.values("cycle").astype(int)]
+    problem = posed(changed(recording, **{ANGLE: angle}))
+    ground = ground_of(problem, NoiseModel(NOISE, jitter=jitter), problem.train)
+    first = problem.train & (np.arange(len(problem.train)) % STEPS == 0)
+    found = share_and_size(replace(explanation_of([chosen(ground, 0.0)]), outliers=first))
+    assert (found is None) == (jitter > 0.0)

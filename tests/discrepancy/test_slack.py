@@ -90,3 +90,9 @@ def test_a_late_motor_beside_slack_is_told_in_place_of_creep_that_grows_with_the
     other = exchanged(found.search, mistaken)
     assert {(p.term.name, p.term.form) for p in other.fit.pieces} >= {("response_lag", "motor")}
     assert other.score < mistaken.score - 20.0
+
+
+def test_wire_that_stiffens_at_once_where_another_spring_takes_over_is_compliance():
+    hidden = {"compliance/driven": {"softness": 0.25, "reach": 18.0, "abruptness": 30.0}}
+    best = explained(recorded(hidden, noise=0.1)).choices[0]
+    assert best.fit.names == ("compliance",)

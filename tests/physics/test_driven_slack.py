@@ -61,7 +61,12 @@ def test_wire_that_soon_loses_all_that_it_does_may_be_slack_instead(wire):
     assert not wire.instead(np.array([0.4, 40.0, *more]), MOTION, around)
 
 
-def test_slack_begun_from_wire_loses_as_much_far_out():
-    for term, values in driven_as(1.2, 3.0):
+@pytest.mark.parametrize("centre", [0.0, -4.0])
+def test_slack_begun_from_wire_loses_as_much_far_out_on_either_side_of_its_middle(centre: float):
+    told = driven_as(1.2, 3.0, centre)
+    assert {t.form for t, _ in told} == {
+        f"{form} off home" if centre else form for form in ("driven", "ahead of play")
+    }
+    for term, values in told:
         lost = DRIVE - term.respond(DRIVE, MOTION, values, None)[0]
-        np.testing.assert_allclose(lost[-1], 1.2, rtol=1e-6)
+        np.testing.assert_allclose(lost[[0, -1]], [-1.2, 1.2], rtol=1e-6)

@@ -67,7 +67,7 @@ def share_and_size(explanation: Explanation) -> tuple[Estimate, Estimate] | None
     problem, fit = explanation.problem, explanation.choices[0].fit
     rows = incredible(explanation)
     count, n = int(rows.sum()), int(problem.train.sum())
-    every = np.abs(left_by(explanation))
+    every = np.abs(errors_of(explanation))
     far = rows & (every > FAR * fit.ground.noise.deviation)
     if alone(rows) < FEWEST and alone(far) < FEWEST_FAR:
         return None
@@ -151,11 +151,11 @@ def incredible(explanation: Explanation) -> np.ndarray:
     problem, fit = explanation.problem, explanation.choices[0].fit
     rows = problem.train & explanation.outliers & ~undated(fit, problem.motion.time_s)
     rows &= ~late_by(explanation).aside
-    off = np.abs(left_by(explanation))
+    off = np.abs(errors_of(explanation))
     return np.asarray(rows & (off > INCREDIBLE * fit.ground.noise.deviation))
 
 
-def left_by(explanation: Explanation) -> np.ndarray:
+def errors_of(explanation: Explanation) -> np.ndarray:
     """What the best choice leaves of each row, (n,), about each cycle's zero where that jitters."""
     problem, fit = explanation.problem, explanation.choices[0].fit
     off = problem.measured - fit.predicted
