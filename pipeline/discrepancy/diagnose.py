@@ -15,7 +15,12 @@ from pipeline.discrepancy.judgement.proof import counted_errors, disproved, stra
 from pipeline.discrepancy.judgement.refit import likeliest, refitted
 from pipeline.discrepancy.judgement.rivals import hypotheses_of, mechanism_of
 from pipeline.discrepancy.judgement.structure import Structure, share_left, structure_of
-from pipeline.discrepancy.judgement.verdict import fewer, follows, sure_of_slow
+from pipeline.discrepancy.judgement.verdict import (
+    fewer,
+    follows,
+    sure_of_slow,
+    told_but_for_its_form,
+)
 from pipeline.discrepancy.model.intervals import covariance_of, wide_covariance
 from pipeline.discrepancy.model.model import CorrectedModel, Hypothesis
 from pipeline.discrepancy.model.result import (
@@ -121,7 +126,9 @@ def decided(problem: Problem, explanation: Explanation) -> tuple[Choice, Structu
         best = foretold_part(explanation.choices, best)
     elif structure.found:
         best = fewer(explanation, best)
-    elif not accurate:
+        structure = told_but_for_its_form(explanation, best, structure)
+    if not (accurate or structure.found):
+        predicted = mechanism_of(problem, best).respond(problem.motion)[0]
         off, counted = counted_errors(problem, explanation, best, predicted)
         where = strained(problem, off, counted, best.fit.ground.noise)
         if where is not None:

@@ -1,7 +1,8 @@
 """The balance at the joint: friction, stretch, gravity, contact and stop meet in one equation.
 
 q = theta + f + give(k theta + f),
-f = slips[theta] + arms[theta] + stretch(theta) + gravity(theta) + contacts(theta) - pushed
+f = slips[theta] + arms[theta] + pads[theta] + stretch(theta) + gravity(theta) + contacts(theta)
+    - pushed
 
 q is the angle that the wire asks for, theta the angle that the joint takes; every load f is
 divided by the stiffness of the wire, so that it is the angle [angle unit] by which the wire gives
@@ -50,6 +51,9 @@ class Load(NamedTuple):
     contact: (c, 4) side (+1, -1) over the depth at which its stiffness builds up [1/angle], angle,
         side times stiffness times that depth [angle], and side times what it hardens by times
         that depth squared [angle].
+    pad: (p, 5) side over the depth at which its stiffness builds up [1/angle], angle, side times
+        stiffness times that depth [angle], stiffness of its flanks [1], and the share of a first
+        push that it keeps when it is let go [1].
     give: (g, 4) most that the wire gives way besides [angle], one over the force at which it does
         so [1/angle], the joint's own stiffness [1], and the angle where the wire is slack [angle].
     loose: half the way over which both wires hang slack [drive unit], the softness of its
@@ -71,6 +75,7 @@ class Load(NamedTuple):
     bristle: np.ndarray = np.zeros((0, 4))
     arm: np.ndarray = np.zeros((0, 2))
     contact: np.ndarray = np.zeros((0, 4))
+    pad: np.ndarray = np.zeros((0, 5))
     give: np.ndarray = np.zeros((0, 4))
     loose: Loose | None = None
     toe: Toe | None = None
@@ -119,14 +124,18 @@ def settle(
         if one.torque is not None:
             pushed += one.torque
     sliders, bristles, arms = len(load.slip), len(load.bristle), len(load.arm)
-    carried = np.zeros(4 + sliders + bristles + arms) if state is None else state.copy()
+    pads = 3 + sliders + bristles + np.arange(len(load.pad) + 1)
+    carried = np.zeros(pads[-1] + 1 + arms) if state is None else state.copy()
+    if state is None:
+        carried[pads[:-1]] = NEVER
     dwell = pushed
     if arms or load.drag > 0.0:
         dwell = motion.dwell_s if state is None else np.diff(motion.time_s, prepend=carried[0])
     angle = np.empty(len(asked))
     if len(asked):
-        bent = carried[3 + sliders : 3 + sliders + bristles]
-        bends = bending(load, (cubic, gravity, zero, 1.0 / motion.radian), curve, bent)
+        bent, pressed = carried[3 + sliders : pads[0]], carried[pads[0] : pads[-1]]
+        smooth = (cubic, gravity, zero, 1.0 / motion.radian)
+        bends = bending(load, smooth, curve, (bent, pressed))
         arm = np.empty((arms, 5))
         arm[:, :2] = load.arm
         solve(
@@ -158,6 +167,7 @@ def together(loads: Sequence[Load]) -> Load:
         bristle=stacked([load.bristle for load in loads]),
         arm=stacked([load.arm for load in loads]),
         contact=stacked([load.contact for load in loads]),
+        pad=stacked([load.pad for load in loads]),
         give=stacked([load.give for load in loads]),
         loose=wires[0] if wires else None,
         toe=toes[0] if toes else None,
@@ -176,7 +186,8 @@ def solve(
     Arguments: see `equilibrium.balance`.
     """
     slip, arm, drag, _, bends = loads
-    slides = len(slip) > 0 or drag > 0.0 or (bends is not None and len(bends[8]) > 0)
+    remembers = bends is not None and (len(bends[8]) > 0 or len(bends[11]) > 0)
+    slides = len(slip) > 0 or drag > 0.0 or remembers
     if bends is not None and not slides and len(asked) >= FEWEST:
         if len(arm) == 0 and settled(asked, pushed, loads, state, angle):
             return
@@ -185,21 +196,35 @@ def solve(
     balance(asked, pushed, dwell, loads, state, angle)
 
 
-def bending(load: Load, smooth: Smooth, curve: Curve, bent: np.ndarray) -> Bends | None:
+def bending(
+    load: Load, smooth: Smooth, curve: Curve, forces: tuple[np.ndarray, np.ndarray]
+) -> Bends | None:
     """All that bends the balance, flat as the compiled loop takes it; None where nothing does.
 
-    smooth: cubic, gravity, its zero, an angle's unit in radians. bent: forces of the bristles.
+    smooth: cubic, gravity, its zero, an angle's unit in radians. forces: of bristles and of pads.
     """
+    bent, pressed = forces
     straight = load.loose is None and load.toe is None
     pull = IDEAL if straight else pulling(load.loose, load.toe, curve)
     grows = len(load.slip) > 0 and load.slip[0, 3] != 0.0
-    many = len(load.give) or len(load.bristle)
+    many = len(load.give) or len(load.bristle) or len(load.pad)
     curved = smooth[0] or smooth[1] or pull[1] or load.pretension < NEVER or many
     if not (curved or grows or len(load.contact)):
         return None
     free = (NEVER, -NEVER) if curved else untouched(load.contact)
     pretension = min(NEVER, load.pretension)
-    return *smooth, load.contact, load.give, pull, pretension, load.bristle, bent, free
+    return (
+        *smooth,
+        load.contact,
+        load.give,
+        pull,
+        pretension,
+        load.bristle,
+        bent,
+        free,
+        load.pad,
+        pressed,
+    )
 
 
 def untouched(contact: np.ndarray) -> tuple[float, float]:

@@ -11,8 +11,8 @@ from pipeline.physics.motion import Motion
 from pipeline.physics.softer_side import SofterSide
 from pipeline.physics.term import Parameter, Surroundings, Term, Told
 
-STIFFEST, GRADUALLY, WIDER = 6.0, 0.99, 1.5
-SIDES, HARDENING = ("upper", "lower"), "hardening"
+STIFFEST, STEEPEST, GRADUALLY, WIDER = 6.0, 30.0, 0.99, 1.5
+SIDES, HARDENING, LOSSY = ("upper", "lower"), "hardening", "lossy"
 
 
 class Contact(Term):
@@ -21,8 +21,11 @@ class Contact(Term):
     A spring that is met at an angle, and whose stiffness builds up over `skin` round it. Forms
     "upper" and "lower" are its sides; an "unloading" one pushes so hard that beyond `pretension`
     one of two wires hangs slack; a "hardening" one, as pads and round bodies are, pushes besides by
-    `hardening` times the square of its depth. Sources: unilateral spring; Hertz (1882), whose power
-    of 1.5 lies between.
+    `hardening` times the square of its depth. A "lossy" one gives back less than it took, as foam
+    and rubber do: let go, it springs back by `flank` times that stiffness, but keeps the share
+    `kept` of what it pushes with when it is pressed for the first time. Sources: unilateral spring;
+    Hertz (1882), whose power of 1.5 lies between; Walton and Braun, J. Rheology 30 (1986) 949, who
+    keep nothing.
     """
 
     name = "contact"
@@ -31,13 +34,14 @@ class Contact(Term):
     in_balance = True
     holds = True
     grows: ClassVar = {
-        side: tuple(f"{side} {how}" for how in ("unloading", HARDENING)) for side in SIDES
+        side: tuple(f"{side} {how}" for how in ("unloading", HARDENING, LOSSY)) for side in SIDES
     }
     means = "stiffer beyond an angle on one side"
     says = "Beyond {angle} on one side it touches something and gets stiffer."
 
     def __init__(self, form: str = "upper") -> None:
         self.form = form
+        self.remembers = "way" if LOSSY in form else ""
 
     @property
     def side(self) -> float:
@@ -57,6 +61,12 @@ class Contact(Term):
             return (
                 *own,
                 Parameter(HARDENING, f"1/{unit}", 0.0, 10.0 / span, 0.2 / span, 0.2 / span),
+            )
+        if LOSSY in self.form:
+            return (
+                *own,
+                Parameter("flank", "", 1.0, STEEPEST, 3.0, 0.0),
+                Parameter("kept", "", 0.0, 1.0, 0.5, 0.5),
             )
         if "unloading" not in self.form:
             return own
@@ -86,6 +96,9 @@ class Contact(Term):
 
     def load(self, values: np.ndarray, motion: Motion, state: np.ndarray | None) -> Load:
         stiffness, angle, skin, *more = values
+        if LOSSY in self.form:
+            (flank, kept), push = more, self.side * skin * stiffness
+            return Load(pad=np.array([[self.side / skin, angle, push, flank * stiffness, kept]]))
         hard = more[0] if HARDENING in self.form else 0.0
         push = self.side * skin * np.array([stiffness, hard * skin])
         contact = np.array([[self.side / skin, angle, *push]])
@@ -96,6 +109,8 @@ class Contact(Term):
         tails = [[0.02 * span], [0.08 * span]] if "unloading" in self.form else [[]]
         if HARDENING in self.form:
             tails = [[0.2 / span], [2.0 / span]]
+        if LOSSY in self.form:
+            tails = [[flank, kept] for flank in (2.0, 10.0) for kept in (0.3, 0.7)]
         return np.array(
             [
                 [stiffness, middle + self.side * share * span, 0.005 * span, *tail]

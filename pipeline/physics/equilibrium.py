@@ -73,12 +73,32 @@ def _wires(at, load, steep, give, pretension):  # type: ignore[no-untyped-def]
 
 
 @inlined
+def _padded(pressed, start, at, pad):  # type: ignore[no-untyped-def]
+    """How a pad pushes at an angle that was pressed so hard at the start, and the slope of that.
+
+    It follows its stiff flank, but pushes no more than one that is pressed for the first time, and
+    no less than the share of that which it keeps.
+    """
+    sharpness, force, flank, kept = pad[0], pad[2], pad[3], pad[4]
+    bite, steep = ramped(sharpness * (at - pad[1]))
+    most, steepest = abs(force) * bite, sharpness * force * steep
+    side = 1.0 if force > 0.0 else -1.0
+    push, slope = pressed + side * flank * (at - start), flank
+    if push > most:
+        push, slope = most, steepest
+    elif push < kept * most:
+        push, slope = kept * most, kept * steepest
+    return side * push, slope
+
+
+@inlined
 def _missing(at, start, asked, stiff, pull, bends):  # type: ignore[no-untyped-def]
     """What is missing to balance at an angle, its slope, how taut the wires are, their give.
 
     Where wires hang loose, it is the equation of their pull, which never gets steep.
     """
-    cubic, gravity, zero, unit, contact, give, loose, pretension, bristle, bent, _ = bends
+    cubic, gravity, zero, unit, contact, give, loose, pretension, bristle, bent, _ = bends[:11]
+    pad, pressed = bends[11], bends[12]
     load, steep = at * stiff - pull, stiff
     if cubic != 0.0:
         load += cubic * at * at * at
@@ -90,6 +110,10 @@ def _missing(at, start, asked, stiff, pull, bends):  # type: ignore[no-untyped-d
     for j in range(bristle.shape[0]):
         stiffness, up, down, release = bristle[j, 0], bristle[j, 1], bristle[j, 2], bristle[j, 3]
         other, steeper = bristled(bent[j], at - start, stiffness, up, down, release)
+        load += other
+        steep += steeper
+    for j in range(pad.shape[0]):
+        other, steeper = _padded(pressed[j], start, at, pad[j])
         load += other
         steep += steeper
     more, softer, wires = _wires(at, load, steep, give, pretension)
@@ -112,10 +136,10 @@ def _rested(at, start, asked, stiff, pull, tangent, bends):  # type: ignore[no-u
 
     Newton's method from `at`, held between bounds; a step ends it that is so short that the
     equation's bend, told from the slope before at `start`, moves the angle by less than PRECISE
-    of a radian;
-    where the joint is about to snap over, the slope tells nothing.
+    of a radian; where the joint is about to snap over, or at the kinks of a pad, the slope tells
+    nothing.
     """
-    contact, precise = bends[4], PRECISE / bends[3]
+    contact, pads, precise = bends[4], bends[11].shape[0], PRECISE / bends[3]
     low, high, under, over = -NEVER, NEVER, -1.0, 1.0
     slope, yielding = tangent[0], tangent[1]
     wires, taut = 0.0, 1.0
@@ -135,7 +159,7 @@ def _rested(at, start, asked, stiff, pull, tangent, bends):  # type: ignore[no-u
         if at <= low or at >= high or (sweep > PATIENCE and sweep % 2 and high - low < NEVER):
             share = 0.5 if sweep % 2 else under / (under - over)
             at = low + share * (high - low)
-        elif contact.shape[0] > 0 and abs(move * contact[0, 0]) > 1.0:
+        elif pads > 0 or (contact.shape[0] > 0 and abs(move * contact[0, 0]) > 1.0):
             continue
         elif (
             slope > LEAST_SLOPE
@@ -235,13 +259,16 @@ def _without_bristles(bends):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _bend(step, bends):  # type: ignore[no-untyped-def]
-    """Forces of the bristles (in place) after a step of the joint."""
+def _bend(start, at, bends):  # type: ignore[no-untyped-def]
+    """Forces of the bristles and of the pads (in place) after a step of the joint."""
     if bends is not None:
         bristle, bent = bends[8], bends[9]
         for j in range(bristle.shape[0]):
             stiffness, up, down, free = bristle[j, 0], bristle[j, 1], bristle[j, 2], bristle[j, 3]
-            bent[j] = bristled(bent[j], step, stiffness, up, down, free)[0]
+            bent[j] = bristled(bent[j], at - start, stiffness, up, down, free)[0]
+        pad, pressed = bends[11], bends[12]
+        for j in range(pad.shape[0]):
+            pressed[j] = abs(_padded(pressed[j], start, at, pad[j])[0])
 
 
 @inlined
@@ -338,7 +365,7 @@ def _dwelt(at, joint, asked, free, load, dwell, drag, firm, hold, bends, slip, e
             at, joint, firm = start, before, began
             whole, wait = False, FIRST_PART * dwell
             continue
-        _bend(joint[0] - start, bends)
+        _bend(start, joint[0], bends)
         hold = hold[0], hold[1], hold[2], hold[3], hold[2] * (joint[0] - start)
         left -= wait
         if left <= 0.0:
@@ -350,11 +377,11 @@ def _dwelt(at, joint, asked, free, load, dwell, drag, firm, hold, bends, slip, e
 def balance(q, pushed, dwell, loads, state, out):  # type: ignore[no-untyped-def]
     """Joint angles `out` for the asked angles `q`, (n,) each, and the state to carry (in place).
 
-    state: q + pushed, angle, forces of the sliders and of the bristles, far ends of the arms,
-    stiffness r; all 0 before the first sample. A sample is taken after its dwell: first the joint
-    moves at once, then the arms relax and it settles again. Where the stiffness r changes on the
-    way, by more than EVEN, a joint with drag goes it again in parts of the dwell, each with its own
-    r. loads: see `balance.Loads`. A tangent is the equation's slope, one over it, and how far the
+    state: q + pushed, angle, forces of the sliders, of the bristles and of the pads, far ends of
+    the arms, stiffness r; all 0 before the first sample, but those of pads NEVER. A sample is taken
+    after its dwell: first the joint moves at once, then the arms relax and it settles again. Where
+    the stiffness r changes on the way, by more than EVEN, a joint with drag goes it again in parts
+    of the dwell, each with its own r. loads: see `balance.Loads`. A tangent is the equation's slope, one over it, and how far the
     joint moves for what is asked and for a load.
     """
     slip, arm, drag, softest, bends = loads
@@ -380,14 +407,14 @@ def balance(q, pushed, dwell, loads, state, out):  # type: ignore[no-untyped-def
             stiff += hold[2]
         else:
             joint = _moved(at, joint, q[t], stiff, pull, bends, slip, ends)
-            _bend(joint[0] - last, bends)
+            _bend(last, joint[0], bends)
         if arms > 0:
             if eased != joint[1][3] or abs(dwell[t] - relaxed) > SAME_DWELL * relaxed:
                 eased, relaxed = joint[1][3], dwell[t]
                 _let_go(eased, relaxed, arm)
             late, last = _relax(joint[0], far, arm), joint[0]
             joint = _moved(last + late * eased, joint, q[t], stiff, pull + late, bends, slip, ends)
-            _bend(joint[0] - last, bends)
+            _bend(last, joint[0], bends)
             firm = max(_stiffness(joint[1], bends) - hold[2], SOFTEST)
         out[t] = joint[0]
     _forces(joint[2][0], joint[0], ends, slip)

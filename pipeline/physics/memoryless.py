@@ -52,7 +52,7 @@ def _sharpest(softest, bends):  # type: ignore[no-untyped-def]
 
     A weight can outweigh what holds the joint; no other load falls with the angle.
     """
-    cubic, gravity, _, unit, contact, give, loose, pretension, _, _, _ = bends
+    cubic, gravity, _, unit, contact, give, loose, pretension = bends[:8]
     least, stiff, wires = softest - abs(gravity) * unit, softest, 1.0
     bend = loose[1] + np.sqrt(3.0 * cubic) + abs(gravity) * unit * unit / FIRM
     for j in range(contact.shape[0]):

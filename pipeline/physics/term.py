@@ -156,7 +156,7 @@ class Term:
     timed: bool = False
     far_apart: bool = False
     group: str = ""
-    remembers: ClassVar[Literal["", "way", "time"]] = ""
+    remembers: Literal["", "way", "time"] = ""
     periodic: ClassVar[bool] = False
     means: ClassVar[str] = ""
     says: ClassVar[str]

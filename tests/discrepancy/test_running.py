@@ -56,6 +56,7 @@ def measured(key: str, values: list[float], noise: float = 0.1, seed: int = 5) -
         ("creep/wire", [0.25, 20.0, 1.0, 30.0]),
         ("friction/driven asymmetric", [5.0, 12.0, 1.0, 0.35]),
         ("compliance/driven", [0.3, 12.0, 2.0, 0.0]),
+        ("contact/upper lossy", [0.4, 12.0, 0.3, 2.5, 0.2]),
         ("tension_loss/cycle", [0.5, 0.6]),
         ("tension_loss/round", [0.0025, 0.8, 0.9]),
     ],

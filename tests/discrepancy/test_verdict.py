@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from pipeline.discrepancy.fitting.fit import evaluate
-from pipeline.discrepancy.judgement.verdict import sure_of_slow
+from pipeline.discrepancy.judgement.structure import Structure
+from pipeline.discrepancy.judgement.verdict import sure_of_slow, told_but_for_its_form
 from pipeline.discrepancy.search.choose import Choice, Place, names
 from pipeline.discrepancy.search.explain import Explanation
 from pipeline.physics.catalogue import term
@@ -60,3 +61,14 @@ def test_by_itself_a_drift_needs_odds_against_noise_that_walks(
 ) -> None:
     kept = chosen(found, ((DRIFT,), STILL, 0.0), ((), WALKS, ahead))
     assert kept == ({"drift"} if named else frozenset())
+
+
+@pytest.mark.parametrize(("share", "told"), [(0.002, False), (0.003, True)])
+def test_a_rest_of_a_twentieth_of_the_mismatch_is_the_form_of_what_was_named(
+    found: Explanation, share: float, told: bool
+) -> None:
+    rest = Structure(True, "the cycle", share, 1e-9)
+    kept = told_but_for_its_form(found, found.choices[0], rest)
+    assert (kept.found, kept.where, kept.share) == (told, "the cycle", share)
+    nothing = next(c for c in found.choices if not c.fit.pieces)
+    assert told_but_for_its_form(found, nothing, rest) == rest

@@ -1,6 +1,7 @@
 """The balance at the joint against what can be worked out by hand."""
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -394,3 +395,30 @@ def test_a_contact_that_hardens_pushes_by_the_square_of_its_depth():
     out = answer(motion, Piece(Contact("upper hardening"), np.array([0.1, 30.0, 0.01, 0.02])))
     depth = np.maximum(out - 30.0, 0.0)
     np.testing.assert_allclose(motion.drive - out, depth * (0.1 + 0.02 * depth), atol=0.01)
+
+
+@pytest.mark.parametrize(("flank", "kept"), [(3.0, 0.3), (10.0, 0.6), (2.0, 0.0), (1.0, 1.0)])
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_a_lossy_contact_gives_back_less_than_it_took(flank: float, kept: float, side: float):
+    turns = np.array([0.0, 40.0, 10.0, 35.0, 0.0])
+    drive = side * np.concatenate([np.linspace(a, b, 31) for a, b in pairwise(turns)])
+    motion = Motion(drive, np.arange(float(len(drive))), np.zeros(len(drive), dtype=int))
+    form = Contact("upper lossy" if side > 0.0 else "lower lossy")
+    pad = Piece(form, np.array([0.8, side * 20.0, 1e-3, flank, kept]))
+    push, at, expected = 0.0, 0.0, []
+    for asked in np.abs(drive):
+
+        def pushed(angle, push=push, at=at):
+            first = 0.8 * max(angle - 20.0, 0.0)
+            return min(first, max(kept * first, push + flank * 0.8 * (angle - at)))
+
+        at = brentq(lambda angle, asked=asked, f=pushed: angle + f(angle) - asked, -1.0, 50.0)
+        push = pushed(at)
+        expected.append(at)
+    np.testing.assert_allclose(side * answer(motion, pad), expected, atol=1e-3)
+    whole, blocks = Mechanism(pieces=(pad,)), []
+    state = None
+    for rows in (slice(0, 70), slice(70, None)):
+        part, state = whole.respond(motion.rows(rows), state)
+        blocks.append(part)
+    np.testing.assert_allclose(np.concatenate(blocks), answer(motion, pad), atol=1e-9)

@@ -8,7 +8,12 @@ from pipeline.discrepancy.fitting.calibration import FAR_OFF
 from pipeline.discrepancy.fitting.charge import absurd_calibration
 from pipeline.discrepancy.fitting.fit import evaluate, improve
 from pipeline.discrepancy.judgement.rest import structured_rest
-from pipeline.discrepancy.judgement.structure import mismatch_variance, structure_of
+from pipeline.discrepancy.judgement.structure import (
+    Structure,
+    mismatch_variance,
+    share_left,
+    structure_of,
+)
 from pipeline.discrepancy.search.choose import Choice, names, piled, wanders
 from pipeline.discrepancy.search.explain import Explanation
 from pipeline.discrepancy.search.pressed import plainer
@@ -96,6 +101,19 @@ def fewer(explanation: Explanation, choice: Choice) -> Choice:
     left = mean_square(explanation, single) - noise
     enough = left < (1.0 - ENOUGH) * before
     return single if enough and rest_of(single, explanation) ** 2 < MOST_LEFT * before else base
+
+
+def told_but_for_its_form(
+    explanation: Explanation, choice: Choice, structure: Structure
+) -> Structure:
+    """The structure, which is none to be told where it is only the form of the names that stay.
+
+    It is where all that is left beyond the noise is less than a twentieth of the mismatch (RMS):
+    a real wire is never quite the term. Its share and place stay.
+    """
+    share = max(structure.share, share_left(explanation, choice))
+    told = choice.fit.pieces and not piled(choice) and share < FORM_ERROR**2
+    return replace(structure, found=False, share=share) if told else structure
 
 
 def rest_of(choice: Choice, explanation: Explanation) -> float:
