@@ -30,6 +30,7 @@ from pipeline.physics.recurring_slip import RecurringSlip
 from pipeline.physics.response_lag import ResponseLag
 from pipeline.physics.sheath_force import SheathForce
 from pipeline.physics.sheath_stretch import SheathStretch
+from pipeline.physics.single_bump import SingleBump
 from pipeline.physics.slack import Slack
 from pipeline.physics.soft_wire import SoftWire
 from pipeline.physics.softer_side import SofterSide
@@ -44,6 +45,7 @@ from pipeline.physics.turned_gravity import TURNED, TurnedGravity
 from pipeline.physics.two_ripples import TwoRipples
 from pipeline.physics.viscous_friction import ViscousFriction
 from pipeline.physics.worn_play import WornPlay
+from pipeline.physics.yielding_wire import YieldingWire
 
 BEND, BENDING, RISING = "bend", LensDistortion("second"), StiffeningJoint("progressive")
 SHEATH_FORCES = tuple(SheathForce(f) for f in ("near", "far", "near falling", "far falling"))
@@ -83,6 +85,7 @@ def terms(other_commands: Iterable[str] = ()) -> tuple[Term, ...]:
     return (
         LostSteps(),
         TransmissionRipple(),
+        SingleBump(),
         Backlash(),
         CoastingPlay(),
         Friction(),
@@ -100,6 +103,7 @@ def terms(other_commands: Iterable[str] = ()) -> tuple[Term, ...]:
         Creep(),
         Creep("whole"),
         Creep("running"),
+        YieldingWire(),
         TensionLoss(),
         TensionLoss("cycle"),
         Gravity(),

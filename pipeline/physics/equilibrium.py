@@ -381,8 +381,8 @@ def balance(q, pushed, dwell, loads, state, out):  # type: ignore[no-untyped-def
     the arms, stiffness r; all 0 before the first sample, but those of pads NEVER. A sample is taken
     after its dwell: first the joint moves at once, then the arms relax and it settles again. Where
     the stiffness r changes on the way, by more than EVEN, a joint with drag goes it again in parts
-    of the dwell, each with its own r. loads: see `balance.Loads`. A tangent is the equation's slope, one over it, and how far the
-    joint moves for what is asked and for a load.
+    of the dwell, each with its own r. loads: see `balance.Loads`. A tangent is the equation's
+    slope, one over it, and how far the joint moves for what is asked and for a load.
     """
     slip, arm, drag, softest, bends = loads
     arms, hold = arm.shape[0], (-1.0, -1.0, 0.0, (NEVER, 0.0), 0.0)

@@ -96,7 +96,7 @@ def test_a_hum_is_no_noise():
     humming = Recording(recording.samples.assign(tip_deg=tip), CHANNELS, "simulated")
     (found,) = diagnose(DiagnosisConfig(), humming).diagnoses
     assert found.verdict == "unknown_physics"
-    assert "every 12.6 samples" in found.unexplained.where
+    assert "every 6.2" in found.unexplained.where
 
 
 @pytest.mark.parametrize("side", [-1.0, 1.0])

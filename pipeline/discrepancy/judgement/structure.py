@@ -11,6 +11,7 @@ from pipeline.discrepancy.judgement.force_rest import (
     mean_square,
     too_slow,
 )
+from pipeline.discrepancy.judgement.hum import hum
 from pipeline.discrepancy.judgement.rest import Rest, repeated_rest, structured_rest, two_valued
 from pipeline.discrepancy.judgement.swinging import swings
 from pipeline.discrepancy.noise.family import WALKS, Place
@@ -18,13 +19,12 @@ from pipeline.discrepancy.noise.learning import FINEST
 from pipeline.discrepancy.noise.noise import NoiseModel
 from pipeline.discrepancy.search.choose import Choice, piled
 from pipeline.discrepancy.search.explain import Explanation
-from pipeline.number_words import worded
 from pipeline.recording import branch_of
 
 CHANCE, SELDOM = 1e-5, 1e-3
 SMALLEST_SIZE, REPEATED, OF_PILE = 0.2, 0.5, 0.25
 SLOW_CORRELATION = 0.87
-LOUD, ROUNDED = 0.1, 1.1
+ROUNDED = 1.1
 LEAST_ALIKE, AGAIN = 0.2, "what comes again where the motion does"
 SWINGS = "samples far off to one side and the other by turns: it swings there"
 JERKY, JERKS = 4.4, "jerks, each time elsewhere: it sticks and slips"
@@ -170,24 +170,12 @@ def humming(explanation: Explanation, choice: Choice) -> Sign | None:
     """A frequency that holds much of an angle's innovations."""
     if explanation.problem.derivatives is not None:
         return None
-    share, period = hum(choice)
-    count = len(choice.fit.innovations)
-    if share <= LOUD + 4.0 * np.log(count) / count:
+    time_s = explanation.problem.motion.time_s[choice.fit.ground.used]
+    hums, share, period = hum(choice.fit.innovations, time_s)
+    if not hums:
         return None
-    where = f"a hum in time, again and again every {worded(period)} samples"
+    where = f"a hum in time, again and again every {period}"
     return Sign(where, float(np.sqrt(share)) * choice.fit.ground.noise.deviation, CHANCE)
-
-
-def hum(choice: Choice) -> tuple[float, float]:
-    """The share of a choice's innovations that one frequency holds, and its period [samples].
-
-    Of independent ones, one of n/2 frequencies holds about 2 log(n) / n (Fisher, Proc. R. Soc. A
-    125 (1929) 54); noise that depends on the sample before takes a hum for its own.
-    """
-    power = np.abs(np.fft.rfft(choice.fit.innovations))[1:] ** 2
-    near = np.convolve(power, np.ones(3), mode="same")
-    best = int(np.argmax(near))
-    return float(near[best] / max(power.sum(), 1e-300)), len(choice.fit.innovations) / (best + 1.0)
 
 
 def jerking(explanation: Explanation, choice: Choice) -> Sign | None:
