@@ -6,7 +6,9 @@ import pytest
 from pipeline.discrepancy.judgement.structure import JERKS, SWINGS
 from pipeline.physics.kinematics import CubicCurve
 from pipeline.physics.play_operator import play, varying_play
+from pipeline.physics.single_bump import SingleBump
 from pipeline.physics.worn_play import WornPlay
+from pipeline.physics.yielding_wire import YieldingWire
 from pipeline.recording import Recording
 from tests.discrepancy.made import ANGLE, NOISE, changed, diagnosed, names, recorded
 
@@ -22,6 +24,12 @@ def moved(hidden: np.ndarray, seed: int = 0) -> Recording:
     plain = recorded({}, seed=seed)
     noise = NOISE * np.random.default_rng(seed).standard_normal(len(hidden))
     return changed(plain, **{ANGLE: CubicCurve(0.7, 1e-5)(hidden) + noise})
+
+
+def period_of(where: str) -> float:
+    """The period [s] of the hum that is told."""
+    assert where.startswith("a hum in time, again and again every ")
+    return float(where.split()[-2])
 
 
 @pytest.mark.parametrize("shape", SHAPES)
@@ -76,3 +84,45 @@ def test_what_shakes_where_the_arm_is_stretched_out_is_no_mistaken_frame(seed):
     (found,) = diagnosed(changed(recording, **{ANGLE: recording.values(ANGLE) + shaken})).diagnoses
     assert found.verdict == "unknown_physics"
     assert found.unexplained.where == SWINGS
+
+
+@pytest.mark.parametrize("seed", [5, 6])
+def test_a_hum_between_uneven_samples_is_none_of_their_noise(seed):
+    rng = np.random.default_rng(seed)
+    plain = recorded({}, seed=seed)
+    time_s = np.cumsum(rng.choice([1.0, 3.0, 4.5, 7.0], len(plain.values("time_s"))))
+    quiet = changed(plain, time_s=time_s)
+    assert diagnosed(quiet).diagnoses[0].verdict == "no_mismatch"
+    hum = 1.1 * NOISE * np.sin(2.0 * np.pi * time_s / 17.0)
+    (found,) = diagnosed(changed(quiet, **{ANGLE: plain.values(ANGLE) + hum})).diagnoses
+    assert found.verdict == "unknown_physics"
+    assert period_of(found.unexplained.where) == pytest.approx(17.0, rel=0.02)
+
+
+@pytest.mark.parametrize(("height", "middle"), [(1.2, 21.0), (-0.9, -30.0)])
+def test_a_bump_at_one_place_is_told_and_no_pile_of_bends(height, middle):
+    command = recorded({}).values("pitch_command_deg")
+    bump = height / np.cosh((command - middle) / 3.0) ** 2
+    result = diagnosed(moved(command + bump))
+    (found,) = result.diagnoses
+    assert (names(result), found.verdict) == ({"transmission_ripple"}, "partly_explained")
+    assert found.unexplained.where == SingleBump.beyond
+    there = next(p for p in found.physics[0].parameters if p.name == "middle")
+    assert there.value == pytest.approx(middle, abs=0.5)
+    assert found.after.heldout_rmse < 1.1 * NOISE < found.before.heldout_rmse
+
+
+@pytest.mark.parametrize("foreseen", [0.0, 1.0])
+def test_a_wire_that_goes_on_stretching_takes_back_what_has_arrived(foreseen):
+    plain = recorded({})
+    command, time_s = plain.values("pitch_command_deg"), plain.values("time_s")
+    late, share = np.full(len(command), command[0]), 0.15
+    for k, left in enumerate(np.exp(-np.diff(time_s) / 40.0), start=1):
+        late[k] = command[k] + (late[k - 1] - command[k]) * left
+    result = diagnosed(moved(command + share * (foreseen * command - late)))
+    (found,) = result.diagnoses
+    assert (names(result), found.verdict) == ({"creep"}, "partly_explained")
+    assert found.unexplained.where == YieldingWire.beyond
+    own = {p.name: p.value for p in found.physics[0].parameters}
+    assert own["time_constant"] == pytest.approx(40.0, rel=0.1)
+    assert found.after.heldout_rmse < 1.1 * NOISE < found.before.heldout_rmse

@@ -60,9 +60,9 @@ def structure_of(explanation: Explanation, choice: Choice) -> Structure:
 
     It shows in flexible curves of what was commanded that chance does not explain (likelihood
     ratio, Bonferroni over the families of curves), in noise that varies as slowly as physics does,
-    in what cycles have in common at each step, in noise with two humps, in a hum, in jerks, in
-    outliers that swing, or, of a force, in what comes again where the motion does. What is surely
-    there but much smaller than the noise is the form of a term, no physics.
+    in what cycles have in common at each step, in noise with two humps, in outliers that swing, in
+    a hum, in jerks, or, of a force, in what comes again where the motion does. What is surely there
+    but much smaller than the noise is the form of a term, no physics.
     """
     if rounded(explanation, choice):
         return Structure(False, None, 0.0, 1.0)
@@ -73,9 +73,9 @@ def structure_of(explanation: Explanation, choice: Choice) -> Structure:
         or slowness(explanation, choice)
         or of_repeats(explanation, choice)
         or two_zeros(choice)
+        or swinging(explanation, choice)
         or humming(explanation, choice)
         or jerking(explanation, choice)
-        or swinging(explanation, choice)
         or coming_again(again, choice)
     )
     by_chance = min(min((r.p_value for r in rests), default=1.0) * len(rests), 1.0)
