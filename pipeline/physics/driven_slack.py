@@ -84,8 +84,13 @@ class DrivenSlack(Term):
         return np.array([[*row, middle + centre] for row in rows for centre in off])
 
     def plainer(self, values: np.ndarray, shown: Shown) -> str:
-        """A width not worth a parameter is wire that gives way at first."""
-        return self.name if shown.worth(0, (KEPT,)) else Compliance.name
+        """A width not worth a parameter is wire that gives way at first.
+
+        So is what is rounded so wide that even in its middle less is lost than comes through.
+        """
+        lost = np.tanh(0.25 * values[0] / values[1])
+        loose = lost > LEAST_LOST and shown.worth(0, (KEPT,))
+        return self.name if loose else Compliance.name
 
     def excited(self, motion: Motion, around: Surroundings) -> bool:
         """Forms of a middle at home where the drive passes 0."""
@@ -93,7 +98,7 @@ class DrivenSlack(Term):
         return around.drive_span > 0.0 and (home or OFF_HOME in self.form)
 
 
-MOST_KEPT = 0.6
+MOST_KEPT, LEAST_LOST = 0.6, 0.5
 KEPT = 2
 
 

@@ -1,5 +1,7 @@
 """Slack of the drive, against what can be worked out by hand."""
 
+from collections.abc import Sequence
+
 import numpy as np
 import pytest
 
@@ -70,3 +72,28 @@ def test_slack_begun_from_wire_loses_as_much_far_out_on_either_side_of_its_middl
     for term, values in told:
         lost = DRIVE - term.respond(DRIVE, MOTION, values, None)[0]
         np.testing.assert_allclose(lost[[0, -1]], [-1.2, 1.2], rtol=1e-6)
+
+
+class Clear:
+    """A recording that shows every parameter."""
+
+    step = 1.0
+
+    def worth(self, size: int, course: Sequence[int] = ()) -> bool:
+        return True
+
+    def sharp(self, reach: int) -> bool:
+        return False
+
+
+@pytest.mark.parametrize(
+    ("width", "rounding", "kept", "name"),
+    [
+        (4.0, 0.5, 0.0, "slack"),
+        (4.0, 0.1, 0.6, "slack"),
+        (1.7, 3.7, 0.0, "compliance"),
+        (4.0, 1.9, 0.0, "compliance"),
+    ],
+)
+def test_what_lets_most_come_through_in_its_middle_is_soft_wire(width, rounding, kept, name):
+    assert DrivenSlack().plainer(np.array([width, rounding, kept]), Clear()) == name
