@@ -61,6 +61,7 @@ PRESSED = tuple(
     )
 )
 SPRUNG, LATE, WORN, QUEUE = ViscousFriction("sprung"), ForceLag(), WornPlay(), QueuedFrames()
+ODD = (SingleBump(), YieldingWire())
 RECURRING = (RecurringSlip("every top"), RecurringSlip("every bottom"))
 SKIPS = tuple(
     LostSteps(f"{times}{place}") for times in ("thrice", "fourfold") for place in ("", *BEHIND)
@@ -85,7 +86,6 @@ def terms(other_commands: Iterable[str] = ()) -> tuple[Term, ...]:
     return (
         LostSteps(),
         TransmissionRipple(),
-        SingleBump(),
         Backlash(),
         CoastingPlay(),
         Friction(),
@@ -103,7 +103,6 @@ def terms(other_commands: Iterable[str] = ()) -> tuple[Term, ...]:
         Creep(),
         Creep("whole"),
         Creep("running"),
-        YieldingWire(),
         TensionLoss(),
         TensionLoss("cycle"),
         Gravity(),
@@ -186,7 +185,7 @@ def richer(term: Term) -> tuple[Term, ...]:
 
 def term(name: str, form: str = "", other_commands: Iterable[str] = ()) -> Term:
     """The term of a name (and form); TermError names those that exist."""
-    found = with_richer((*terms(other_commands), *force_terms()))
+    found = with_richer((*terms(other_commands), *ODD, *force_terms()))
     found += (*SHEATH_FORCES, *PRESSED, SPRUNG, LATE, WORN, QUEUE, *UNEVEN, *RECURRING, *SKIPS)
     same = [t for t in found if t.name == name and form in ("", t.form)]
     if same:

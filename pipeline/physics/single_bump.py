@@ -7,9 +7,9 @@ from pipeline.physics.motion import Motion
 from pipeline.physics.term import NO_STATE, Parameter, Surroundings, Term
 
 BUMP = "bump"
-WIDTHS = (0.03, 0.06, 0.12)
-WIDEST, CLEAR = 0.16, 2.0
-ODD = 4.0
+WIDTHS = (0.03, 0.06, 0.1)
+WIDEST, CLEAR = 0.1, 2.0
+ODD = 6.0
 
 
 class SingleBump(Term):

@@ -37,6 +37,7 @@ from pipeline.discrepancy.search.counted import (
 from pipeline.discrepancy.search.disguise import with_plain
 from pipeline.discrepancy.search.excited import excited_terms
 from pipeline.discrepancy.search.foretold import foretelling
+from pipeline.discrepancy.search.odd import oddly
 from pipeline.discrepancy.search.polish import polished
 from pipeline.discrepancy.search.pressed import pressed
 from pipeline.discrepancy.search.refuted import refuted
@@ -124,7 +125,7 @@ def searched(problem: Problem) -> Explanation:
         last, found = found, mistaken_rows(problem, choices[0], prior)
         if np.sum(found != last) > MANY * len(found):
             search, used, choices = chosen_anew(search, prior, settled & ~found, choices)
-    told = pressed(search, sprung(search, alone(search, polished(search, choices))))
+    told = pressed(search, sprung(search, oddly(search, alone(search, polished(search, choices)))))
     choices = levelled(search, searched_wide(search, choices, swinging(search, told)))
     choices = best_of_each([*contested(search, choices), *search.seen.values()])
     if prior.repeats == 0 and problem.derivatives is None:
