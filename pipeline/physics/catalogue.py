@@ -7,7 +7,7 @@ from pipeline.physics.backlash import AHEAD, Backlash
 from pipeline.physics.camera_tilt import CameraTilt
 from pipeline.physics.capstan_friction import CapstanFriction
 from pipeline.physics.coasting_play import CoastingPlay
-from pipeline.physics.contact import Contact
+from pipeline.physics.contact import LOSSY, SIDES, Contact
 from pipeline.physics.coulomb_friction import CoulombFriction
 from pipeline.physics.coupling import OFFERED, Coupling
 from pipeline.physics.creep import Creep
@@ -61,7 +61,7 @@ PRESSED = tuple(
     )
 )
 SPRUNG, LATE, WORN, QUEUE = ViscousFriction("sprung"), ForceLag(), WornPlay(), QueuedFrames()
-ODD = (SingleBump(), YieldingWire())
+ODD = (SingleBump(), YieldingWire(), *(Contact(f"{side} {LOSSY}") for side in SIDES))
 RECURRING = (RecurringSlip("every top"), RecurringSlip("every bottom"))
 SKIPS = tuple(
     LostSteps(f"{times}{place}") for times in ("thrice", "fourfold") for place in ("", *BEHIND)

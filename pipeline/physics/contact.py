@@ -34,7 +34,7 @@ class Contact(Term):
     in_balance = True
     holds = True
     grows: ClassVar = {
-        side: tuple(f"{side} {how}" for how in ("unloading", HARDENING, LOSSY)) for side in SIDES
+        side: tuple(f"{side} {how}" for how in ("unloading", HARDENING)) for side in SIDES
     }
     means = "stiffer beyond an angle on one side"
     says = "Beyond {angle} on one side it touches something and gets stiffer."
@@ -110,7 +110,7 @@ class Contact(Term):
         if HARDENING in self.form:
             tails = [[0.2 / span], [2.0 / span]]
         if LOSSY in self.form:
-            tails = [[flank, kept] for flank in (2.0, 10.0) for kept in (0.3, 0.7)]
+            tails = [[3.0, 0.3], [10.0, 0.7]]
         return np.array(
             [
                 [stiffness, middle + self.side * share * span, 0.005 * span, *tail]
