@@ -1,6 +1,7 @@
 """Creep of a wire under the joint's own load: what has arrived is taken back."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import ClassVar
 
 import numpy as np
@@ -19,9 +20,9 @@ class YieldingWire(Creep):
     and a joint that has followed sags toward home again. Of that the share `foreseen` is in the
     simulation's gain: none where it is the wire's at once, all where it is that in the long run.
     The catalogue's creep arrives late; this is its converse, which it has no word of its own for.
-    Form "yielding wire two" has two arms. `moving` and `begun`: see `Creep`.
-    Source: standard linear solid in series with a spring (Zener); Fung, Biomechanics (1993),
-    section 7.6.
+    What has settled within a dwell is not told from motion. Form "yielding wire two" has two arms.
+    `moving` and `begun`: see `Creep`. Source: standard linear solid in series with a spring
+    (Zener); Fung, Biomechanics (1993), section 7.6.
     """
 
     grows: ClassVar = {YIELDING: (f"{YIELDING} two",)}
@@ -39,7 +40,10 @@ class YieldingWire(Creep):
         return tuple(YieldingWire(form) for form in self.grows.get(self.form, ()))
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
-        own = super().parameters(around)
+        own = tuple(
+            replace(p, low=around.dwell_s) if p.name.startswith("time_constant") else p
+            for p in super().parameters(around)
+        )
         foreseen = Parameter("foreseen", "", 0.0, 1.0, 0.5, 0.5, weak=True)
         return (*own[:FORESEEN], foreseen, *own[FORESEEN:])
 

@@ -123,6 +123,6 @@ def test_a_wire_that_goes_on_stretching_takes_back_what_has_arrived(foreseen):
     (found,) = result.diagnoses
     assert (names(result), found.verdict) == ({"creep"}, "partly_explained")
     assert found.unexplained.where == YieldingWire.beyond
-    own = {p.name: p.value for p in found.physics[0].parameters}
-    assert own["time_constant"] == pytest.approx(40.0, rel=0.1)
+    time_constant = next(p for p in found.physics[0].parameters if p.name == "time_constant")
+    assert time_constant.low < 40.0 < time_constant.high < 60.0
     assert found.after.heldout_rmse < 1.1 * NOISE < found.before.heldout_rmse

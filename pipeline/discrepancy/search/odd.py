@@ -12,11 +12,12 @@ from pipeline.discrepancy.search.choose import (
     among,
     best_of_each,
     by_term,
+    names,
 )
 from pipeline.discrepancy.search.polish import polished
-from pipeline.physics.catalogue import ODD
+from pipeline.physics.catalogue import ODD, with_richer
 
-STEPS, NEAR, MOST_KEPT = 4, 40.0, 2
+STEPS, NEAR, FIRM, MOST_KEPT = 4, 40.0, 100.0, 2
 
 
 def oddly(search: Search, choices: list[Choice]) -> list[Choice]:
@@ -42,6 +43,14 @@ def oddly(search: Search, choices: list[Choice]) -> list[Choice]:
             trial = improve(started(fit, leads), STEPS)
             if search.hoped(trial, best.place) < best.score + NEAR:
                 found.append(search.weighed(improve(trial, 2 * ITERATIONS), best.place))
-    if min((c.score for c in found), default=best.score) > best.score - LEAST_GAIN:
-        return best_of_each([*choices, *found])
-    return polished(search, [*choices, *found])
+    more = best_of_each([*choices, *found])
+    if more[0].score < best.score - LEAST_GAIN:
+        more = polished(search, more)
+    return [c for c in more if not may_mop_up(c, best)]
+
+
+def may_mop_up(choice: Choice, best: Choice) -> bool:
+    """Whether one of ODD was taken besides as many names, for hardly more than others leave."""
+    odd = choice.fit.key & {(t.name, t.form) for t in with_richer(ODD)}
+    further = len(names(choice)) > len(names(best))
+    return bool(odd and further and choice.score > best.score - FIRM)
