@@ -127,8 +127,8 @@ def decided(problem: Problem, explanation: Explanation) -> tuple[Choice, Structu
     elif structure.found:
         best = fewer(explanation, best)
         structure = told_but_for_its_form(explanation, best, structure)
-    if not (accurate or structure.found):
         predicted = mechanism_of(problem, best).respond(problem.motion)[0]
+    if not (accurate or structure.found):
         off, counted = counted_errors(problem, explanation, best, predicted)
         where = strained(problem, off, counted, best.fit.ground.noise)
         if where is not None:

@@ -8,17 +8,16 @@ from pipeline.physics.term import NO_STATE, Parameter, Surroundings, Term
 
 BUMP = "bump"
 WIDTHS = (0.03, 0.06, 0.1)
-WIDEST, CLEAR = 0.1, 2.0
-ODD = 6.0
+WIDEST, UNUSUAL = 0.1, 6.0
 
 
 class SingleBump(Term):
     """x = u + height exp(-((u - middle) / width)^2).
 
-    It is no wider than that the drive comes clear of it on either side: what only begins within the
-    range is a bend. A ripple comes again and again, and this does not: the catalogue has no word of
-    its own for it. Source: local transmission error of a damaged tooth, Howard, Jia and Wang,
-    Mech. Syst. Signal Process. 15 (2001) 831.
+    The drive goes at least as far beyond it on either side as it is wide at most: what only begins
+    within the range is a bend. A ripple comes again and again, and this does not: the catalogue has
+    no word of its own for it. Source: local transmission error of a damaged tooth, Howard, Jia and
+    Wang, Mech. Syst. Signal Process. 15 (2001) 831.
     """
 
     name = "transmission_ripple"
@@ -26,13 +25,13 @@ class SingleBump(Term):
     site = "actuator"
     place = 20.0
     before_curve = True
-    unlikely = ODD
+    unlikely = UNUSUAL
     beyond = "a bump at one place of the drive"
     says = "At one place the drive runs ahead or behind by {height}, as over a damaged tooth."
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
         span, low, unit = around.drive_span, around.drive_low, around.drive_unit
-        edge = 0.5 * CLEAR * WIDEST * span
+        edge = WIDEST * span
         middle = low + 0.5 * span
         return (
             Parameter("height", unit, -0.3 * span, 0.3 * span, 0.01 * span, 0.01 * span),
@@ -48,12 +47,11 @@ class SingleBump(Term):
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
         span, low = around.drive_span, around.drive_low
-        edge = 0.5 * CLEAR * WIDEST
         return np.array(
             [
                 [0.01 * span, low + middle * span, width * span]
                 for width in WIDTHS
-                for middle in np.arange(edge, 1.0 - edge + 1e-9, width)
+                for middle in np.arange(WIDEST, 1.0 - WIDEST + 1e-9, width)
             ]
         )
 

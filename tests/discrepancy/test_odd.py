@@ -1,0 +1,39 @@
+"""What is tried last: it has to be worth much where it only comes besides."""
+
+import numpy as np
+import pytest
+
+from pipeline.discrepancy.fitting.fit import evaluate
+from pipeline.discrepancy.search.choose import Choice
+from pipeline.discrepancy.search.explain import Explanation
+from pipeline.discrepancy.search.odd import FIRM, may_mop_up
+from pipeline.physics.catalogue import term
+from pipeline.physics.mechanism import Piece
+from tests.discrepancy.made import explained, recorded
+
+PLAY = Piece(term("backlash"), np.array([4.0]))
+TILT = Piece(term("camera_tilt"), np.array([0.3, 0.0]))
+DRIFT = Piece(term("drift", "linear"), np.array([0.3]))
+BUMP = Piece(term("transmission_ripple", "bump"), np.array([0.5, 10.0, 4.0]))
+
+
+@pytest.fixture(scope="module")
+def found() -> Explanation:
+    return explained(recorded({"backlash": {"width": 4.0}}))
+
+
+@pytest.mark.parametrize(
+    ("pieces", "gain", "mops_up"),
+    [
+        ([PLAY, TILT, BUMP], 0.5 * FIRM, True),
+        ([PLAY, TILT, BUMP], 2.0 * FIRM, False),
+        ([PLAY, BUMP], 0.5 * FIRM, False),
+        ([PLAY, TILT, DRIFT], 0.5 * FIRM, False),
+    ],
+)
+def test_what_comes_besides_as_many_names_must_be_worth_much(
+    found: Explanation, pieces: list[Piece], gain: float, mops_up: bool
+) -> None:
+    ground = found.choices[0].fit.ground
+    best = Choice(evaluate(ground, [PLAY, TILT]), (0, 0, 0), 0.0)
+    assert may_mop_up(Choice(evaluate(ground, pieces), (0, 0, 0), -gain), best) == mops_up
