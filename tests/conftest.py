@@ -2,9 +2,11 @@
 
 import os
 import signal
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from threadpoolctl import threadpool_limits
 
 SHARED = Path(__file__).resolve().parents[2] / "shared"
 
@@ -18,6 +20,13 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
 def cache_of_its_own(tmp_path_factory: pytest.TempPathFactory) -> None:
     """No test finds what an earlier one, or a user, has kept."""
     os.environ["LOOPGAP_CACHE"] = str(tmp_path_factory.mktemp("cache"))
+
+
+@pytest.fixture(scope="session", autouse=True)
+def one_thread_each() -> Iterator[None]:
+    """Tests run side by side: threads of small matrix products would only wait for each other."""
+    with threadpool_limits(1):
+        yield
 
 
 @pytest.fixture

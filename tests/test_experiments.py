@@ -32,7 +32,7 @@ def test_every_experiment_has_a_test():
 
 def test_the_gap_is_closed_on_the_emulated_robot(tmp_path, monkeypatch):
     arguments = ["experiment=close_the_gap", *SMALL_IMAGES, "compensation.targets=24",
-                 "acquisition.steps_per_cycle=100", f"hydra.run.dir={tmp_path}"]  # fmt: skip
+                 f"hydra.run.dir={tmp_path}"]  # fmt: skip
     assert loopgap(monkeypatch, *arguments) == 0
     rounds = sorted(tmp_path.glob("round-*"))
     (first,) = json.loads((rounds[0] / "diagnosis.json").read_text())["measurements"]

@@ -159,14 +159,10 @@ def test_single_frames_do_not_hide_the_rest() -> None:
     assert (found["command"].where or "").endswith("on the positive side")
 
 
-@pytest.mark.parametrize(
-    ("motion", "trials", "most"), [(plain(6, 100), 50, 8), (rich(), 15, 4)], ids=["plain", "rich"]
-)
-def test_p_values_are_uniform_when_only_noise_is_there(
-    motion: Motion, trials: int, most: int
-) -> None:
+@pytest.mark.parametrize("motion", [plain(6, 100), rich()], ids=["plain", "rich"])
+def test_p_values_are_uniform_when_only_noise_is_there(motion: Motion) -> None:
     rng = np.random.default_rng(11)
-    p_values, alarms = [], 0
+    p_values, alarms, trials = [], 0, 50
     for _ in range(trials):
         zero = 0.2 * rng.standard_normal(int(motion.cycle.max()) + 1)
         error = serial(len(motion), 0.8, 0.2, rng) + zero[motion.cycle]
@@ -174,7 +170,7 @@ def test_p_values_are_uniform_when_only_noise_is_there(
         own = [part.p_value for part in parts]
         p_values += own
         alarms += min(holm(own)) <= 0.05
-    assert alarms <= most
+    assert alarms <= 8
     assert np.mean(np.array(p_values) <= 0.05) == pytest.approx(0.05, abs=0.035)
     assert np.mean(np.array(p_values) <= 0.5) == pytest.approx(0.5, abs=0.12)
 
@@ -249,19 +245,19 @@ def test_an_order_of_cycles_is_surer_than_a_shuffle() -> None:
 
 
 def test_a_simulation_that_comes_late_or_early_leaves_a_line_in_the_command():
-    time_s = 0.02 * np.arange(1500)
+    time_s = 0.01 * np.arange(3000)
 
     def at(late_s: float) -> np.ndarray:
         t = time_s - late_s
         return 15.0 * np.sin(0.4 * np.pi * t) + 8.0 * np.sin(1.06 * np.pi * t + 1.0)
 
-    motion = Motion(at(0.0), time_s, np.zeros(1500, dtype=np.int64))
-    rough = 0.05 * np.random.default_rng(2).standard_normal(1500)
+    motion = Motion(at(0.0), time_s, np.zeros(3000, dtype=np.int64))
+    rough = 0.05 * np.random.default_rng(2).standard_normal(3000)
     for sign in (1.0, -1.0):
         for came, simulated, how in ((0.0, 0.15, "later"), (0.3, 0.1, "earlier")):
             off = sign * (at(came) - at(simulated)) + rough
             first = locate(off, motion, sign * at(simulated), "deg", "deg")[0]
             assert first.coordinate == "command"
             assert f"which the simulation follows {how} than" in str(first.where)
-    still = locate(at(0.0) + rough, motion, np.zeros(1500), "deg", "deg")[0]
+    still = locate(at(0.0) + rough, motion, np.zeros(3000), "deg", "deg")[0]
     assert still.where == "in step with the command"
