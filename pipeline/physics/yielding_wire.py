@@ -20,7 +20,8 @@ class YieldingWire(Creep):
     and a joint that has followed sags toward home again. Of that the share `foreseen` is in the
     simulation's gain: none where it is the wire's at once, all where it is that in the long run.
     The catalogue's creep arrives late; this is its converse, which it has no word of its own for.
-    What has settled within a dwell is not told from motion. Form "yielding wire two" has two arms.
+    What has settled within a dwell is not told from motion; at one dwell, nothing is told from a
+    loop that runs the other way. Form "yielding wire two" has two arms.
     `moving` and `begun`: see `Creep`. Source: standard linear solid in series with a spring
     (Zener); Fung, Biomechanics (1993), section 7.6.
     """
@@ -62,8 +63,12 @@ class YieldingWire(Creep):
         apart = super().retold(np.delete(starts, FORESEEN, axis=1))
         return np.insert(apart, FORESEEN, starts[0, FORESEEN], axis=1)
 
+    def excited(self, motion: Motion, around: Surroundings) -> bool:
+        shortest, longest = np.quantile(motion.dwell_s, (0.05, 0.95))
+        return super().excited(motion, around) and bool(longest > VARIED * shortest)
+
     def instead(self, values: np.ndarray, motion: Motion, around: Surroundings) -> Sequence[Told]:
         return ()
 
 
-CONVERSE, FORESEEN = 6.0, 4
+CONVERSE, FORESEEN, VARIED = 6.0, 4, 1.5
