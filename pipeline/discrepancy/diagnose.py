@@ -126,7 +126,8 @@ def decided(problem: Problem, explanation: Explanation) -> tuple[Choice, Structu
         best = foretold_part(explanation.choices, best)
     elif structure.found:
         best = fewer(explanation, best)
-        structure = told_but_for_its_form(explanation, best, structure)
+        if absurd is None:
+            structure = told_but_for_its_form(explanation, best, structure)
         predicted = mechanism_of(problem, best).respond(problem.motion)[0]
     if not (accurate or structure.found):
         off, counted = counted_errors(problem, explanation, best, predicted)
