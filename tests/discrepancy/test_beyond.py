@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from pipeline.discrepancy.judgement.hum import hum
 from pipeline.discrepancy.judgement.structure import JERKS, SWINGS
 from pipeline.physics.kinematics import CubicCurve
 from pipeline.physics.play_operator import play, varying_play
@@ -138,3 +139,7 @@ def test_at_one_dwell_nothing_tells_that_from_a_loop_that_runs_the_other_way():
     result = diagnosed(stretching((3.0, 3.0), 1.0))
     assert "creep" not in names(result)
     assert result.diagnoses[0].verdict in ("unknown_physics", "partly_explained")
+
+
+def test_nothing_left_does_not_hum():
+    assert hum(np.zeros(50), np.arange(50.0)) == (False, 0.0, "")

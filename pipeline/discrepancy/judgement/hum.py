@@ -18,7 +18,7 @@ def hum(innovations: np.ndarray, time_s: np.ndarray) -> tuple[bool, float, str]:
     (Press and Rybicki, Astrophys. J. 338 (1989) 277).
     """
     count = len(innovations)
-    if count < 3:
+    if count < 3 or not np.any(innovations):
         return False, 0.0, ""
     shortest = max(float(np.quantile(np.diff(time_s), 0.05)), 1e-300)
     step = max(shortest / FINELY, (time_s[-1] - time_s[0]) / MOST_PLACES)

@@ -21,9 +21,9 @@ STEPS, NEAR, FIRM, MOST_KEPT = 4, 40.0, 100.0, 2
 
 
 def oddly(search: Search, choices: list[Choice]) -> list[Choice]:
-    """The choices (best first), and those with one of ODD beside no more than two of its pieces.
+    """The choices (best first), and those with one of ODD in place of a piece, or of all but two.
 
-    Or in place of one of them. A search takes other names for what these explain, two or three for
+    A search takes other names for what these explain, two or three for
     each, and no step leads from there. It does not begin with them: each comes near what a usual
     term does, and would hide that.
     """
