@@ -82,7 +82,7 @@ def diagnose_measurement(
     evidence = replace(evidence, noise=noise)
     before, after = evidence.errors(evidence.before), evidence.errors(evidence.after)
     if not structure.found:
-        structure = beyond_its_name(explanation, best) or structure
+        structure = beyond_its_name(explanation, best, physics) or structure
     verdict = verdict_of(explanation, best, physics, structure)
     diagnosis = Diagnosis(
         measurement=measurement,

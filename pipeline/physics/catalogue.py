@@ -2,6 +2,8 @@
 
 from collections.abc import Iterable
 
+import numpy as np
+
 from pipeline.errors import did_you_mean, refusal
 from pipeline.physics.backlash import AHEAD, Backlash
 from pipeline.physics.camera_tilt import CameraTilt
@@ -24,6 +26,7 @@ from pipeline.physics.inertia import Inertia
 from pipeline.physics.lens_distortion import LensDistortion
 from pipeline.physics.lost_steps import BEHIND, LostSteps
 from pipeline.physics.marker_outliers import MarkerOutliers
+from pipeline.physics.motion import Motion
 from pipeline.physics.off_centre_ripple import OffCentreRipple
 from pipeline.physics.queued_frames import QueuedFrames
 from pipeline.physics.recurring_slip import RecurringSlip
@@ -39,7 +42,7 @@ from pipeline.physics.stiffness import Stiffness
 from pipeline.physics.stribeck_friction import StribeckFriction
 from pipeline.physics.swelling_ripple import SwellingRipple
 from pipeline.physics.tension_loss import TensionLoss
-from pipeline.physics.term import Term, TermError
+from pipeline.physics.term import Surroundings, Term, TermError, Told
 from pipeline.physics.transmission_ripple import TransmissionRipple
 from pipeline.physics.turned_gravity import TURNED, TurnedGravity
 from pipeline.physics.two_ripples import TwoRipples
@@ -47,6 +50,7 @@ from pipeline.physics.viscous_friction import ViscousFriction
 from pipeline.physics.worn_play import WornPlay
 from pipeline.physics.yielding_wire import YieldingWire
 
+RUBS = (0.3, 1.0)
 BEND, BENDING, RISING = "bend", LensDistortion("second"), StiffeningJoint("progressive")
 SHEATH_FORCES = tuple(SheathForce(f) for f in ("near", "far", "near falling", "far falling"))
 PRESSED = tuple(
@@ -181,6 +185,20 @@ def richer(term: Term) -> tuple[Term, ...]:
     if term.group != BEND:
         return term.richer()
     return (*term.richer(), RISING if term.form == BENDING.form else BENDING)
+
+
+def instead(term: Term, values: np.ndarray, motion: Motion, around: Surroundings) -> list[Told]:
+    """What may stand in a term's place (`Term.instead`); for play a wire that rubs, too.
+
+    As wide at the joint, it gives way over some of that or all: where another term stays behind as
+    well, it has grown beside sharp corners to what no linear step leads away from.
+    """
+    told = list(term.instead(values, motion, around))
+    named = dict(zip((p.name for p in term.parameters(around)), values, strict=True))
+    if term.name == Backlash.name and "width" in named:
+        width = named["width"] * (around.angle_span / around.drive_span if term.before_curve else 1)
+        told += [[(Friction(), np.array([width, part * width, 0.7]))] for part in RUBS]
+    return told
 
 
 def term(name: str, form: str = "", other_commands: Iterable[str] = ()) -> Term:

@@ -60,7 +60,13 @@ class Coupling(Term):
         self.group = f"{self.name} {self.channel if self.pushes else form}"
         self.in_balance = how not in NO_LOAD
         self.timed = self.way is not None and self.way.timed
+        if how == LEVER:
+            self.beyond_alone = "how far it moves, which the other axis changes without moving it"
         self.only_beside = HELD if how in (DIRECT, TORQUE) else ""
+
+    @property
+    def said_by_name(self) -> str:
+        return self.channel
 
     @property
     def kin(self) -> str:

@@ -126,6 +126,7 @@ class Term:
     group: of its terms only one may stand; "" where that goes by the name.
     goes_by: the other command that what bends a curve goes by, too; "" of one static curve.
     beyond: what its form says that the catalogue has no name for; "" where its name says all.
+    beyond_alone: the same of a form that its name covers beside another of it, or where it ties.
     unlikely: how much less likely than others it is in its form, in -2 log odds.
     mistaken_for: the name of what may be this instead, if it looks like that in disguise, or is
     behind it by no more than its charge.
@@ -148,6 +149,7 @@ class Term:
     mistaken_for: str = ""
     unlikely: float = 0.0
     beyond: str = ""
+    beyond_alone: str = ""
     goes_by: str = ""
     only_beside: str = ""
     own_law: bool = False
@@ -179,6 +181,11 @@ class Term:
     def in_usual_order(self) -> str:
         """Its form with the usual order on the shaft: what differs in that alone shows at once."""
         return self.form
+
+    @property
+    def said_by_name(self) -> str:
+        """The form of which its name says all, where that isn't the first one of the catalogue."""
+        return ""
 
     def elsewhere(self) -> tuple["Term", ...]:
         """This term at its other places in the chain, its parameters the same.

@@ -11,7 +11,7 @@ from pipeline.physics.single_bump import SingleBump
 from pipeline.physics.worn_play import WornPlay
 from pipeline.physics.yielding_wire import YieldingWire
 from pipeline.recording import Recording
-from tests.discrepancy.made import ANGLE, NOISE, changed, diagnosed, names, recorded
+from tests.discrepancy.made import ANGLE, NOISE, SIMULATED, changed, diagnosed, names, recorded
 
 SHAPES = {
     "wide at two places": lambda u: 1.5 + 4.0 * np.exp(-(((np.abs(u) - 28.0) / 10.0) ** 2)),
@@ -142,4 +142,53 @@ def test_at_one_dwell_nothing_tells_that_from_a_loop_that_runs_the_other_way():
 
 
 def test_nothing_left_does_not_hum():
-    assert hum(np.zeros(50), np.arange(50.0)) == (False, 0.0, "")
+    assert hum(np.zeros(50), np.arange(50.0)) == (False, 0.0, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("error", "said"),
+    [
+        (lambda travel, pose: 6.0 * NOISE * (travel / 23.0 % 1.0 - 0.5), "command's way"),
+        (lambda travel, pose: np.round(pose / 1.1) * 1.1 - pose, "in the angle"),
+    ],
+    ids=["a tooth of the travel", "steps of the angle"],
+)
+def test_what_comes_again_along_a_way_is_no_noise(error, said):
+    recording = recorded({}, seed=5, cycles=9)
+    smaller = 1.0 - 0.06 * recording.values("cycle")
+    command = smaller * recording.values("pitch_command_deg")
+    pose = CubicCurve(0.7, 1e-5)(command)
+    wrong = error(np.cumsum(np.abs(np.diff(command, prepend=0.0))), pose)
+    noise = NOISE * np.random.default_rng(5).standard_normal(len(pose))
+    columns = {"pitch_command_deg": command, SIMULATED: pose, ANGLE: pose + wrong + noise}
+    (found,) = diagnosed(changed(recording, **columns)).diagnoses
+    assert (found.verdict, found.physics) == ("unknown_physics", ())
+    assert said in found.unexplained.where
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_noise_does_not_hum_along_any_way(seed):
+    rng = np.random.default_rng(seed)
+    turns = 50.0 * np.sin(np.arange(1200) / 17.0)
+    for along in (turns, np.cumsum(np.abs(np.diff(turns, prepend=0.0))), np.round(turns)):
+        assert not hum(rng.standard_normal(1200), along)[0]
+
+
+@pytest.mark.parametrize(
+    ("hidden", "verdict"),
+    [
+        ({"coupling/yaw_command_deg/lever": {"lever": 0.002}}, "partly_explained"),
+        (
+            {
+                "coupling/yaw_command_deg": {"gain": 0.1},
+                "coupling/yaw_command_deg/lever": {"lever": 0.002},
+            },
+            "explained",
+        ),
+    ],
+    ids=["its gain alone", "its place, too"],
+)
+def test_another_axis_that_changes_a_gain_and_moves_nothing_is_more_than_coupling(hidden, verdict):
+    result = diagnosed(recorded(hidden, two_axes=True, cycles=9))
+    assert names(result) == {"coupling"}
+    assert result.diagnoses[0].verdict == verdict

@@ -8,11 +8,14 @@ import pytest
 
 from pipeline.discrepancy.fitting.fit import evaluate, improve
 from pipeline.discrepancy.noise.family import WHITE
-from pipeline.physics.catalogue import BENDS, term
+from pipeline.discrepancy.search.choose import Choice
+from pipeline.discrepancy.search.elsewhere import Key
+from pipeline.discrepancy.search.polish import Tried, swap
+from pipeline.physics.catalogue import BENDS, instead, term
 from pipeline.physics.creep import Creep
 from pipeline.physics.mechanism import Piece
 from pipeline.physics.term import Surroundings, values_of
-from tests.discrepancy.made import ANGLE, SIMULATED, explained, recorded
+from tests.discrepancy.made import ANGLE, SIMULATED, explained, posed, recorded
 
 WITHIN = 3.0
 
@@ -124,3 +127,50 @@ def test_a_contact_beside_a_bend_is_no_long_ripple(bend):
     assert set(best.fit.names) <= {"contact", *BENDS}
     assert "contact" in best.fit.names
     assert name in best.fit.names
+
+
+def test_play_may_be_a_wire_that_rubs_as_wide_at_the_joint():
+    problem = posed(recorded({}))
+    told = instead(term("backlash"), np.array([4.0]), problem.motion, problem.around)
+    slope = problem.around.angle_span / problem.around.drive_span
+    assert [[t.name for t, _ in some] for some in told] == [["friction"], ["friction"]]
+    np.testing.assert_allclose([some[0][1][0] for some in told], 4.0 * slope)
+    at_joint = instead(term("backlash", "pin"), np.array([4.0]), problem.motion, problem.around)
+    np.testing.assert_allclose([some[0][1][0] for some in at_joint], 4.0)
+
+
+def test_a_swap_is_tried_again_only_where_the_best_has_moved_and_the_rest_does_better():
+    found = explained(recorded({"backlash": {"width": 3.0}, "drift/linear": {"rate": 1.5}}))
+    best = found.choices[0]
+    tried: Tried = {}
+    swap(found.search, best, {}, tried)
+    assert len(tried) == len(best.fit.pieces)
+    again: dict[Key, Choice] = {}
+    swap(found.search, best, again, tried)
+    assert not again
+    worse = {key: (then + 100.0, least + 100.0) for key, (then, least) in tried.items()}
+    swap(found.search, best, again, worse)
+    assert again.keys() >= tried.keys()
+    as_good = {key: (then + 100.0, least) for key, (then, least) in tried.items()}
+    still: dict[Key, Choice] = {}
+    swap(found.search, best, still, as_good)
+    assert not still
+
+
+def test_a_slip_before_nearly_all_rows_makes_room_for_a_bend():
+    hidden = {
+        "backlash": {"width": 1.1},
+        "gravity": {"deflection": 7.0, "zero": 3.9},
+        "lost_steps/once": {"jump": -7.3, "time": 1500.0},
+    }
+    best = explained(recorded(hidden, noise=0.2, cycles=6)).choices[0]
+    (slips,) = (p for p in best.fit.pieces if p.term.name == "lost_steps")
+    np.testing.assert_allclose(slips.values[0::2], [-7.3], rtol=0.1)
+
+
+def test_rubbing_with_two_reaches_is_one_friction():
+    values = {"width": 5.6, "reach": 0.8, "spread": 0.5, "share": 0.5, "reach_2": 6.0}
+    best = explained(recorded({"friction/at two places": values}, noise=0.15)).choices[0]
+    assert [(p.term.name, p.term.form) for p in best.fit.pieces] == [("friction", "at two places")]
+    width, reach, _, _, reach_2 = best.fit.pieces[0].values
+    np.testing.assert_allclose([width, *sorted([reach, reach_2])], [5.6, 0.8, 6.0], rtol=0.25)

@@ -103,13 +103,13 @@ def respond(ground: Ground, pieces: Sequence[Piece]) -> Trace:
     return ground.problem.trace(pieces)
 
 
-def respond_beside(fit: Fit, pieces: Sequence[Piece], changed: Term) -> Trace:
-    """The angles of pieces that differ from a fit's in one term only."""
+def respond_beside(fit: Fit, pieces: Sequence[Piece], *changed: Term) -> Trace:
+    """The angles of pieces that differ from a fit's in some terms only, new ones or old."""
     problem = fit.ground.problem
-    if changed.before_curve or not problem.by_row(pieces):
+    if any(term.before_curve for term in changed) or not problem.by_row(pieces):
         return problem.trace(pieces)
     mechanism, known = Mechanism(problem.curve, pieces), fit.trace
-    if changed.in_balance:
+    if any(term.in_balance for term in changed):
         return mechanism.balanced(known.asked, problem.motion)
     return mechanism.sensed(known.asked, known.body, problem.motion)
 

@@ -2,7 +2,14 @@
 
 import numpy as np
 
-from pipeline.discrepancy.fitting.fit import Fit, evaluate, improve, parameters_of, respond_beside
+from pipeline.discrepancy.fitting.fit import (
+    Fit,
+    calibrated,
+    evaluate,
+    improve,
+    parameters_of,
+    respond_beside,
+)
 from pipeline.discrepancy.fitting.ground import Box
 from pipeline.discrepancy.fitting.moments import settle_moments
 from pipeline.discrepancy.fitting.screen import PROMISING, gains_of
@@ -39,7 +46,11 @@ def reformed(fit: Fit, place: int, term: Term) -> Fit:
     before, after = fit.pieces[:place], fit.pieces[place + 1 :]
     if term.scanned and not set(names) <= set(had):
         starts = _sized(fit, place, term, starts, nested)
-    trials = [evaluate(fit.ground, (*before, Piece(term, values), *after)) for values in starts]
+    trials = []
+    for values in starts:
+        pieces = (*before, Piece(term, values), *after)
+        trace = respond_beside(fit, pieces, old.term, term)
+        trials.append(calibrated(fit.ground, pieces, trace))
     trials.sort(key=lambda t: t.cost)
     if term.far_apart:
         trials = sorted((improve(t, BEGUN) for t in trials[:MOST]), key=lambda t: t.cost)

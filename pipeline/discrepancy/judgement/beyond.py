@@ -1,27 +1,36 @@
 """What a form says beyond its name: modelled, but the catalogue has no name for it."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from scipy.special import chdtrc
 
 from pipeline.discrepancy.fitting.fit import evaluate, improve
 from pipeline.discrepancy.judgement.structure import Structure, mismatch_variance
+from pipeline.discrepancy.model.result import NamedPhysics
 from pipeline.discrepancy.search.choose import Choice
 from pipeline.discrepancy.search.explain import Explanation
 from pipeline.physics.catalogue import term
 from pipeline.physics.mechanism import Piece
 
 
-def beyond_its_name(explanation: Explanation, choice: Choice) -> Structure | None:
+def beyond_its_name(
+    explanation: Explanation, choice: Choice, physics: Sequence[NamedPhysics]
+) -> Structure | None:
     """What of the mismatch is in a form that says more than its name; None where none does.
 
     Its share of the mismatch, and how likely it is by chance (likelihood ratio), against the plain
     form of the same name, refitted beside the rest.
     """
-    fit = choice.fit
+    fit, others = choice.fit, explanation.problem.motion.others
+    tied = {p.name for p in physics if p.alternatives}
     for k, piece in enumerate(fit.pieces):
-        if not piece.term.beyond:
+        says = piece.term.beyond
+        if fit.names.count(piece.term.name) == 1 and piece.term.name not in tied:
+            says = says or piece.term.beyond_alone
+        if not says:
             continue
-        plain = term(piece.term.name)
+        plain = term(piece.term.name, piece.term.said_by_name, others)
         free = len(fit.ground.box(plain).parameters)
         pieces = (*fit.pieces[:k], Piece(plain, piece.values[:free]), *fit.pieces[k + 1 :])
         other = improve(evaluate(fit.ground, pieces))
@@ -31,5 +40,5 @@ def beyond_its_name(explanation: Explanation, choice: Choice) -> Structure | Non
         share = float(np.clip(off / mismatch_variance(explanation), 0.0, 1.0))
         gain = max(other.cost - fit.cost, 0.0)
         p_value = float(chdtrc(len(piece.values) - free, gain))
-        return Structure(True, piece.term.beyond, share, p_value)
+        return Structure(True, says, share, p_value)
     return None

@@ -19,6 +19,7 @@ from pipeline.discrepancy.noise.learning import FINEST
 from pipeline.discrepancy.noise.noise import NoiseModel
 from pipeline.discrepancy.search.choose import Choice, piled
 from pipeline.discrepancy.search.explain import Explanation
+from pipeline.number_words import worded
 from pipeline.recording import branch_of
 
 CHANCE, SELDOM = 1e-5, 1e-3
@@ -167,15 +168,23 @@ def two_zeros(choice: Choice) -> Sign | None:
 
 
 def humming(explanation: Explanation, choice: Choice) -> Sign | None:
-    """A frequency that holds much of an angle's innovations."""
-    if explanation.problem.derivatives is not None:
+    """A frequency that holds much of an angle's innovations: in time, travel or the angle."""
+    problem, ground = explanation.problem, choice.fit.ground
+    if problem.derivatives is not None:
         return None
-    time_s = explanation.problem.motion.time_s[choice.fit.ground.used]
-    hums, share, period = hum(choice.fit.innovations, time_s)
-    if not hums:
-        return None
-    where = f"a hum in time, again and again every {period}"
-    return Sign(where, float(np.sqrt(share)) * choice.fit.ground.noise.deviation, CHANCE)
+    used, drive = ground.used, problem.motion.drive
+    innovations = choice.fit.innovations
+    travel = np.cumsum(np.abs(np.diff(drive, prepend=drive[:1])))[used]
+    places = (
+        ("in time", "s", hum(innovations, problem.motion.time_s[used])),
+        ("along the command's way", problem.around.drive_unit, hum(innovations, travel)),
+        ("in the angle", problem.around.angle_unit, hum(innovations, choice.fit.predicted[used])),
+    )
+    for where, unit, (hums, share, period) in places:
+        if hums:
+            told = f"a hum {where}, again and again every {worded(period)} {unit}"
+            return Sign(told, float(np.sqrt(share)) * ground.noise.deviation, CHANCE)
+    return None
 
 
 def jerking(explanation: Explanation, choice: Choice) -> Sign | None:

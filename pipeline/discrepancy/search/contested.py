@@ -21,7 +21,7 @@ from pipeline.discrepancy.search.moves import recurved
 from pipeline.discrepancy.search.polish import polished
 from pipeline.physics.catalogue import BENDS
 
-MOST = 2
+MOST, LEVELLED = 2, 4
 FAR = 3.0 * RIVAL_GAP
 
 
@@ -63,7 +63,7 @@ def levelled(search: Search, choices: Sequence[Choice]) -> list[Choice]:
     mine = bent(names(best))
     others = [c for c in near if len(bent(names(c)) - mine) == len(mine - bent(names(c))) == 1]
     pairs = [c for c in near if len(bent(names(c)) - mine) == 2 * len(mine - bent(names(c))) == 2]
-    for rival in (*others[:MOST], *pairs[:1]):
+    for rival in (*others[:LEVELLED], *pairs[:1]):
         shared = [p for p in best.fit.pieces if bent({p.term.name}) <= bent(names(rival))]
         own = [p for p in rival.fit.pieces if not bent({p.term.name}) <= bent(names(best))]
         taken = evaluate(best.fit.ground, (*shared, *own))

@@ -6,6 +6,7 @@ from pipeline.discrepancy.fitting.fit import ITERATIONS, Fit, evaluate, improve
 from pipeline.discrepancy.fitting.screen import clipped
 from pipeline.discrepancy.search.choose import MOST_TERMS, Choice, Search, excludes, grown
 from pipeline.discrepancy.search.elsewhere import Key, differing
+from pipeline.physics.catalogue import instead
 from pipeline.physics.mechanism import Piece
 
 BEGUN, STEPS, HOPED, FARTHER = 3, 4, 100.0, 5.0
@@ -34,7 +35,7 @@ def offered(fit: Fit, piece: Piece) -> dict[Key, list[list[Piece]]]:
     seen = problem.motion, problem.around
     rest = fit.without(piece)
     found: dict[Key, list[list[Piece]]] = {}
-    for told in piece.term.instead(piece.values, *seen):
+    for told in instead(piece.term, piece.values, *seen):
         new = [Piece(term, clipped(fit, term, values)) for term, values in told]
         fits_in = not any(excludes(n.term, p.term) for n in new for p in rest)
         shown = [t for t in differing([n.term for n in new], fit) if t.excited(*seen)]

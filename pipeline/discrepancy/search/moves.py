@@ -18,6 +18,7 @@ from pipeline.physics.capstan_friction import CapstanFriction
 from pipeline.physics.catalogue import BEND, OFF_CENTRE, SHEATH_FORCES
 from pipeline.physics.driven_slack import DrivenSlack
 from pipeline.physics.friction import Friction
+from pipeline.physics.lost_steps import TIMES, LostSteps
 from pipeline.physics.mechanism import Piece
 from pipeline.physics.response_lag import ResponseLag
 from pipeline.physics.slack import Slack
@@ -26,7 +27,7 @@ from pipeline.physics.term import Term
 
 SHEATH = CapstanFriction("pretensioned")
 SPRING = Stiffness()
-NEAR = 30.0
+NEAR, AT_ONCE = 30.0, 0.01
 
 
 def unpromised(search: Search, choice: Choice) -> Choice:
@@ -61,6 +62,33 @@ def recurved(search: Search, choice: Choice) -> Choice:
         turning = [k for k, p in enumerate(rest) if p.term.periodic and p.term.form != off]
         if turning:
             found = search.better(found, reformed(improve(fit), turning[0], OFF_CENTRE))
+    return found
+
+
+def unshifted(search: Search, choice: Choice) -> Choice:
+    """The choice with a bend in place of a slip before nearly all rows, if that is better.
+
+    Such a slip shifts a curve along its command, and so draws much of what a bend does: beside it
+    no bend gains much, and one that stands there is the wrong one.
+    """
+    found, fit = choice, choice.fit
+    times_s = fit.ground.problem.motion.time_s[fit.ground.used]
+    first_s = times_s[int(AT_ONCE * len(times_s))]
+    bends = [t for t in search.terms if t.group == BEND]
+    for piece in fit.pieces:
+        if not isinstance(piece.term, LostSteps):
+            continue
+        slips = piece.values.reshape(-1, 2)
+        later = slips[slips[:, 1] > first_s]
+        if len(later) == len(slips):
+            continue
+        pieces = [p for p in fit.without(piece) if p.term.group != BEND]
+        if len(later):
+            behind = piece.term.form.partition(" ")[2]
+            form = f"{list(TIMES)[len(later) - 1]} {behind}".strip()
+            pieces.append(Piece(LostSteps(form), later.ravel()))
+        trial = begun_with(search, evaluate(fit.ground, pieces), bends)
+        found = search.better(found, improve(trial, 2 * ITERATIONS))
     return found
 
 

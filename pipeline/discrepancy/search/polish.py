@@ -1,5 +1,7 @@
 """Polish: deletions, swaps, richer forms and moves of the best choice while it gets better."""
 
+import numpy as np
+
 from pipeline.discrepancy.fitting.fit import evaluate, improve
 from pipeline.discrepancy.search.choose import (
     MOST_TERMS,
@@ -12,19 +14,30 @@ from pipeline.discrepancy.search.choose import (
 )
 from pipeline.discrepancy.search.elsewhere import Key, freed
 from pipeline.discrepancy.search.exchange import exchanged
-from pipeline.discrepancy.search.moves import merged, parted, recurved, sheathed, unpromised
+from pipeline.discrepancy.search.moves import (
+    merged,
+    parted,
+    recurved,
+    sheathed,
+    unpromised,
+    unshifted,
+)
 from pipeline.discrepancy.search.played import played
 from pipeline.discrepancy.search.queued import queued
 from pipeline.discrepancy.search.stepped import stepped
+from pipeline.physics.backlash import Backlash
+from pipeline.physics.friction import Friction
 
 WORTH, ROUNDS = 150.0, 6
+Tried = dict[Key, tuple[float, float]]
 
 
 def polished(search: Search, choices: list[Choice]) -> list[Choice]:
     """Richer forms, deletions and swaps of the best as long as it gets better.
 
-    Where friction that is a share of the pull suits the best better than friction of one width, it
-    is polished so as well: what mends the one form's error would hide the other.
+    Where friction that is a share of the pull suits the best better than friction of one width, or
+    than play in its place, it is polished so as well: what mends the one form's error would hide
+    the other.
     """
     best = min(choices, key=lambda c: c.score)
     alone = next((c for c in choices if c.fit.names == ("friction",)), best)
@@ -32,7 +45,8 @@ def polished(search: Search, choices: list[Choice]) -> list[Choice]:
     plain = min(
         (c for c in found if set(c.fit.names) == set(best.fit.names)), key=lambda c: c.score
     )
-    for start in {id(c): c for c in (plain, alone)}.values():
+    rubbing = frozenset(Friction.name if n == Backlash.name else n for n in found[0].fit.names)
+    for start in {id(c): c for c in (plain, alone, search.seen.get(rubbing, plain))}.values():
         sheath = sheathed(search, start)
         if sheath is not start and sheath.score < min(found[0].score, start.score):
             found = best_of_each([*found, *_polished(search, [*choices, sheath])])
@@ -40,34 +54,17 @@ def polished(search: Search, choices: list[Choice]) -> list[Choice]:
 
 
 def _polished(search: Search, choices: list[Choice]) -> list[Choice]:
-    """A swap begins from the rest refitted, and from the rest as it stood beside the old term."""
     found = {c.fit.key: c for c in choices}
-    tried: set[Key] = set()
+    tried: Tried = {}
     for _ in range(ROUNDS):
         best = min(found.values(), key=lambda c: c.score)
         richest = search.whitened(exchanged(search, merged(search, grown(search, best))))
         if richest is not best:
             found[richest.fit.key] = best = richest
-        for piece in best.fit.pieces:
-            rest = best.fit.without(piece)
-            key = frozenset((p.term.name, p.term.form) for p in rest)
-            if key in tried:
-                continue
-            tried.add(key)
-            fit = freed(improve(evaluate(best.fit.ground, rest)))
-            without = search.weighed(fit, best.place)
-            if without.score < best.score + WORTH:
-                without = grown(search, without)
-            found[without.fit.key] = without
-            if without.fit.key != key:
-                found.setdefault(key, without)
-            unmoved = evaluate(without.fit.ground, rest)
-            for child in extended(search, without, 5, begun=[unmoved]):
-                if child.fit.key not in found or child.score < found[child.fit.key].score:
-                    found[child.fit.key] = child
+        swap(search, best, found, tried)
         before, best = best, min(found.values(), key=lambda c: c.score)
         if before.score - best.score < SAME:
-            moves = (unpromised, stepped, recurved, played, parted, queued)
+            moves = (unpromised, unshifted, stepped, recurved, played, parted, queued)
             further = [*(move(search, best) for move in moves), *furthered(search, best)]
             more = min(further, key=lambda c: c.score)
             if more.score < best.score:
@@ -78,6 +75,35 @@ def _polished(search: Search, choices: list[Choice]) -> list[Choice]:
         fewest = thinned(search, min(found.values(), key=lambda c: c.score))
         found[fewest.fit.key] = fewest
     return sorted(found.values(), key=lambda c: c.score)
+
+
+def swap(search: Search, best: Choice, found: dict[Key, Choice], tried: Tried) -> None:
+    """Find the best without each of its terms, and with each of the promising others instead.
+
+    A swap begins from the rest refitted, and from the rest as it stood beside the old term. Where
+    the rest was tried before, others are looked for beside it only if it does better now: the best
+    has moved since, and what it holds with it. tried: scores of the best and of the rest then.
+    """
+    for piece in best.fit.pieces:
+        rest = best.fit.without(piece)
+        key = frozenset((p.term.name, p.term.form) for p in rest)
+        then, least = tried.get(key, (np.inf, np.inf))
+        if best.score > then - SAME:
+            continue
+        fit = freed(improve(evaluate(best.fit.ground, rest)))
+        without = search.weighed(fit, best.place)
+        tried[key] = best.score, min(without.score, least)
+        if without.score > least - SAME:
+            continue
+        if without.score < best.score + WORTH:
+            without = grown(search, without)
+        found[without.fit.key] = without
+        if without.fit.key != key:
+            found.setdefault(key, without)
+        unmoved = evaluate(without.fit.ground, rest)
+        for child in extended(search, without, 5, begun=[unmoved]):
+            if child.fit.key not in found or child.score < found[child.fit.key].score:
+                found[child.fit.key] = child
 
 
 def furthered(search: Search, choice: Choice) -> list[Choice]:

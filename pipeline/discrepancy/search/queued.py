@@ -8,7 +8,13 @@ from collections.abc import Iterable
 import numpy as np
 from scipy.optimize import minimize
 
-from pipeline.discrepancy.fitting.fit import Fit, evaluate, improve
+from pipeline.discrepancy.fitting.fit import (
+    Fit,
+    calibrated,
+    evaluate,
+    improve,
+    respond_beside,
+)
 from pipeline.discrepancy.fitting.screen import late
 from pipeline.discrepancy.search.choose import Choice, Search, excludes
 from pipeline.physics.catalogue import QUEUE
@@ -26,13 +32,16 @@ def queued(search: Search, choice: Choice) -> Choice:
     """The choice with frames from a queue in place of what comes late, if that is better.
 
     In place of one such thing, of all and of what moves the zero, or of a whole pile that mops up.
-    Where rows are picked of more samples, the rhythm of these isn't known.
+    Where rows are picked of more samples, the rhythm of these isn't known. Whatever took a queue's
+    place leaves some of its rhythm.
     """
     found, problem, pieces = choice, choice.fit.ground.problem, choice.fit.pieces
     known = any(t.name == FrameLag.name for t in search.terms)
     if problem.picked is not None or not (known and QUEUE.excited(problem.motion, problem.around)):
         return choice
     behind = late(choice.fit)
+    if not (any(p.term.form == QUEUE.form for p in behind) or (behind and rhythmic(choice.fit))):
+        return choice
     mopping = [p for p in pieces if p.term.slow or any(p is b for b in behind)]
     piles = [p for p in (mopping, pieces) if len(p) > 1] if behind else []
     for gone in (*([p] for p in behind), *piles):
@@ -52,24 +61,37 @@ def queued(search: Search, choice: Choice) -> Choice:
     return found
 
 
+def rhythmic(fit: Fit) -> bool:
+    """Whether what a fit leaves comes late by more and more until it does not, at some pace."""
+    most = max(row[-1] for row in coarsely_folded(fit))
+    return most > PROMISES * fit.ground.noise.deviation**2
+
+
 def rhythms(fit: Fit) -> tuple[list[list[float]], float]:
     """The likeliest queues beside a fit, as `folded`, and what the first explains [noise]."""
-    count, (parts, apart) = len(fit.predicted), COARSE
-    few = folded(fit, np.arange(count / LONGEST, count / SHORTEST, apart), parts)[:BEGUN]
+    few = coarsely_folded(fit)[:BEGUN]
     return few, few[0][0] / fit.ground.noise.deviation**2
+
+
+def coarsely_folded(fit: Fit) -> list[list[float]]:
+    """The best queue of each of all periods that one may have."""
+    count, (parts, apart) = len(fit.predicted), COARSE
+    return folded(fit, np.arange(count / LONGEST, count / SHORTEST, apart), parts)
 
 
 def refined(fit: Fit, few: list[list[float]]) -> np.ndarray:
     """Parameters of queues (k, 4) whose periods are near those of some, found on a finer grid."""
     parts, apart = FINE
     near = np.arange(-COARSE[1], COARSE[1], apart)
-    best = [folded(fit, len(fit.predicted) / row[2] + near, parts)[0][1:] for row in few]
+    best = [folded(fit, len(fit.predicted) / row[2] + near, parts)[0][1:-1] for row in few]
     box = fit.ground.box(QUEUE)
     return np.clip(np.unique(best, axis=0), box.low, box.high)
 
 
 def folded(fit: Fit, often: Iterable[float], parts: int) -> list[list[float]]:
-    """Gain, rise, period, turn and floor of the best queue of each frequency, the best first.
+    """Gain, rise, period, turn, floor of the best queue of each frequency, the best first.
+
+    Last in each row: the part of the gain that is not a steady lag's.
 
     A frame that is late by l samples is off by about -l times the step to its pose. Folded by a
     period, the lags of each of some parts of it are regressed, by weighted least squares, on a
@@ -93,7 +115,8 @@ def folded(fit: Fit, often: Iterable[float], parts: int) -> list[list[float]]:
         best = int(np.argmax(gain))
         floor = max((lag - rise[best] * mean[best]) / max(rise[best], 1e-9), 0.0)
         total = float(gain[best] + lag**2 * every)
-        found.append([total, rise[best], 1.0 / frequency, 1.0 - best / parts, floor])
+        shape = [rise[best], 1.0 / frequency, 1.0 - best / parts, floor]
+        found.append([total, *shape, float(gain[best])])
     return sorted(found, reverse=True)
 
 
@@ -107,8 +130,8 @@ def settled(fit: Fit, values: np.ndarray, most: float) -> Fit:
     box, (rise, every, turn, _) = fit.ground.box(QUEUE), values
 
     def tried(v: np.ndarray) -> Fit:
-        piece = Piece(QUEUE, np.clip(v, box.low, box.high))
-        return evaluate(fit.ground, (*fit.pieces, piece))
+        pieces = (*fit.pieces, Piece(QUEUE, np.clip(v, box.low, box.high)))
+        return calibrated(fit.ground, pieces, respond_beside(fit, pieces, QUEUE))
 
     shapes = [values, *([rise * r, every, turn, floor] for r in RISES for floor in FLOORS)]
     best = min((tried(np.array(shape)) for shape in shapes), key=lambda t: t.cost)
