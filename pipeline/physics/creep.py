@@ -12,6 +12,9 @@ from pipeline.physics.response_lag import ResponseLag
 from pipeline.physics.rising_creep import LARGEST, TIMES, RisingCreep
 from pipeline.physics.term import HELD, Parameter, Surroundings, Term, Told
 
+SPREAD, ARMS, BROADEST, BREADTHS = "spread", 5, 1.5, (0.5, 1.0)
+WHOLE = {"one": "whole", SPREAD: f"whole {SPREAD}"}
+
 
 class Creep(Term):
     """A spring with a dashpot beside the joint: it resists at first and gives way with time.
@@ -22,8 +25,10 @@ class Creep(Term):
     joint. There the command is held through each dwell; form "running" is "whole" for one that runs
     straight from sample to sample. Form "wire" creeps before the nominal curve, where over the
     share `moving` of each dwell the drive runs to its next value and what is late was `begun` ahead
-    of the drive, as it was moved before; "wire two" has two arms. Source: standard linear solid
-    (Zener).
+    of the drive, as it was moved before; "wire two" has two arms. Forms "spread" and "whole spread"
+    have ARMS equal ones whose time constants are evenly apart in their logarithm, over `breadth`
+    decades to either side of `time_constant`: creep about as a power of time. Sources: standard
+    linear solid (Zener); Findley, Lai and Onaran, Creep and Relaxation (1976), ch. 5.
     """
 
     name = "creep"
@@ -33,9 +38,9 @@ class Creep(Term):
     timed = True
     far_apart = True
     grows: ClassVar = {
-        "one": ("two", "wire"),
+        "one": ("two", "wire", SPREAD),
         "two": ("wire two",),
-        "whole": ("wire",),
+        "whole": ("wire", f"whole {SPREAD}"),
         "running": ("wire",),
         "wire": ("wire two",),
     }
@@ -45,9 +50,9 @@ class Creep(Term):
     def __init__(self, form: str = "one") -> None:
         self.form = form
         self.before_curve = "wire" in form
-        self.only_beside = HELD if form == "whole" else ""
+        self.only_beside = HELD if form.startswith("whole") else ""
         self.unlikely = 3.0 if form == "running" else 0.0  # chance would decide against old frames
-        self.in_balance = form in ("one", "two")
+        self.in_balance = form in ("one", "two", SPREAD)
 
     @property
     def kin(self) -> str:
@@ -58,7 +63,7 @@ class Creep(Term):
         return (*super().richer(), RisingCreep()) if plain else super().richer()
 
     def elsewhere(self) -> tuple[Term, ...]:
-        return (Creep("whole"),) if self.form == "one" else ()
+        return (Creep(WHOLE[self.form]),) if self.form in WHOLE else ()
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
         dwell = max(around.dwell_s, 1e-9)
@@ -74,6 +79,8 @@ class Creep(Term):
                 Parameter("moving", "", 0.0, 1.0, 0.0, 0.5),
                 Parameter("begun", unit, -span, span, 0.0, 0.25 * span, weak=True),
             )
+        if SPREAD in self.form:
+            return (*own, Parameter("breadth", "", 0.0, BROADEST, 0.5, 0.5))
         if "two" not in self.form:
             return own
         return (
@@ -84,6 +91,10 @@ class Creep(Term):
 
     def load(self, values: np.ndarray, motion: Motion, state: np.ndarray | None) -> Load:
         share, time_constant = values[0::2], values[1::2]
+        if SPREAD in self.form:
+            late_s = spread_out(values)
+            stiffness = np.full(ARMS, values[0] / (1.0 - values[0]) / ARMS)
+            return Load(arm=np.column_stack([stiffness, late_s * (1.0 - values[0])]))
         arm = np.empty((len(share), 2))
         arm[:, 0] = share / (1.0 - share)
         arm[:, 1] = time_constant * (1.0 - share)
@@ -91,6 +102,8 @@ class Creep(Term):
 
     def arms(self, values: np.ndarray) -> list[np.ndarray]:
         """Share and time constant of each arm, (2,)."""
+        if SPREAD in self.form:
+            return [np.array([values[0] / ARMS, late_s]) for late_s in spread_out(values)]
         return [values[:2], values[-2:]][: 2 if "two" in self.form else 1]
 
     def respond(
@@ -116,6 +129,8 @@ class Creep(Term):
             rows = [[*r, moving, 0.0] for moving in (0.0, 1.0) for r in rows]
         if "two" in self.form:
             rows = [[*r, 0.02, 12.0 * r[1]] for r in rows]
+        if SPREAD in self.form:
+            rows = [[*r, breadth] for breadth in BREADTHS for r in rows]
         return np.array(rows)
 
     def excited(self, motion: Motion, around: Surroundings) -> bool:
@@ -125,7 +140,7 @@ class Creep(Term):
 
     def instead(self, values: np.ndarray, motion: Motion, around: Surroundings) -> Sequence[Told]:
         """A lag of the whole motion in place of an arm, where the share of that is the largest."""
-        arms = self.arms(values)
+        arms = [] if SPREAD in self.form else self.arms(values)
         return [
             [(ResponseLag(), arm[1:]), *((Creep(), other) for other in arms if other is not arm)]
             for arm in arms
@@ -133,8 +148,12 @@ class Creep(Term):
         ]
 
     def slight(self, values: np.ndarray, around: Surroundings) -> bool:
-        """A second arm slower than some cycles hardly answers them: its one settling is a drift."""
-        return "two" in self.form and bool(values[-1] > SLOWEST * around.period_s)
+        """Arms slower than some cycles hardly answer them: their one settling is a drift.
+
+        One of a spread's many may be.
+        """
+        last = {SPREAD: -2, "two": -1}.get(self.form.split(" ")[-1])
+        return last is not None and bool(self.arms(values)[last][1] > SLOWEST * around.period_s)
 
     def retold(self, starts: np.ndarray) -> np.ndarray:
         """What one arm does in the middle, two do: one that is quicker, and one that is slower."""
@@ -154,3 +173,9 @@ APART = (
     (0.5, 0.3, 0.9, 1.5),
     (0.2, 0.15, 0.9, 1.05),
 )
+
+
+def spread_out(values: np.ndarray) -> np.ndarray:
+    """Time constants [s] of arms that are evenly apart in their logarithm, (ARMS,)."""
+    _, middle_s, breadth = values
+    return np.asarray(middle_s * 10.0 ** (breadth * np.linspace(-1.0, 1.0, ARMS)))

@@ -174,3 +174,11 @@ def test_rubbing_with_two_reaches_is_one_friction():
     assert [(p.term.name, p.term.form) for p in best.fit.pieces] == [("friction", "at two places")]
     width, reach, _, _, reach_2 = best.fit.pieces[0].values
     np.testing.assert_allclose([width, *sorted([reach, reach_2])], [5.6, 0.8, 6.0], rtol=0.25)
+
+
+def test_creep_over_decades_of_time_is_no_drift_besides():
+    values = {"share": 0.4, "time_constant": 60.0, "breadth": 1.2}
+    best = explained(recorded({"creep/spread": values}, noise=0.1, cycles=9)).choices[0]
+    (piece,) = best.fit.pieces
+    assert (piece.term.name, piece.term.form) == ("creep", "spread")
+    np.testing.assert_allclose(piece.values[0], 0.4, rtol=0.2)
