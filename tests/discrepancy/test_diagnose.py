@@ -360,3 +360,13 @@ def test_an_axis_that_moves_in_held_out_cycles_alone_could_not_be_seen_to_couple
     found = diagnosed(Recording(samples, CHANNELS)).diagnoses[0]
     assert "coupling" in found.not_excited
     assert [p.name for p in found.physics] == ["backlash"]
+
+
+def test_a_joint_that_does_not_move_at_all_is_said_in_numbers():
+    recording = recorded({})
+    still = changed(recording, **{ANGLE: np.ones(len(recording.samples))})
+    (found,) = diagnosed(still).diagnoses
+    assert (found.verdict, found.physics) == ("unknown_physics", ())
+    assert found.unexplained.where.startswith("the gain")
+    assert found.after.heldout_rmse < 1e-6 < found.before.heldout_rmse
+    assert found.calibration.offset == pytest.approx(1.0)

@@ -8,6 +8,7 @@ from pipeline.discrepancy.fitting.calibration import with_smooth_error
 from pipeline.discrepancy.fitting.fit import evaluate
 from pipeline.discrepancy.fitting.ground import Ground
 from pipeline.discrepancy.noise.force_noise import LEAST_SPELL, spell_of
+from pipeline.discrepancy.noise.learning import FINEST
 from pipeline.discrepancy.noise.noise import NoiseModel
 from pipeline.discrepancy.search.choose import Choice, Search, extended
 from pipeline.discrepancy.search.foretold import error_ahead, parts_of
@@ -76,5 +77,5 @@ def plainly(ground: Ground, rows: np.ndarray) -> Ground:
     """
     white = ground.with_noise(NoiseModel(max(ground.problem.tolerance.accuracy, 1e-12)))
     left = (ground.problem.measured - evaluate(white, ()).predicted)[rows]
-    size = float(np.sqrt(np.mean(left**2)))
+    size = max(float(np.sqrt(np.mean(left**2))), FINEST * ground.problem.around.angle_span)
     return ground.with_noise(NoiseModel(size, spell=max(spell_of(left, rows), LEAST_SPELL)))
