@@ -12,7 +12,8 @@ from pipeline.physics.response_lag import ResponseLag
 from pipeline.physics.rising_creep import LARGEST, TIMES, RisingCreep
 from pipeline.physics.term import HELD, Parameter, Surroundings, Term, Told
 
-SPREAD, ARMS, BROADEST, BREADTHS = "spread", 5, 1.5, (0.5, 1.0)
+SPREAD, ARMS = "spread", 5
+NARROW, BROADEST, BREADTHS = 0.7, 1.5, (0.7, 1.1)
 WHOLE = {"one": "whole", SPREAD: f"whole {SPREAD}"}
 
 
@@ -80,7 +81,7 @@ class Creep(Term):
                 Parameter("begun", unit, -span, span, 0.0, 0.25 * span, weak=True),
             )
         if SPREAD in self.form:
-            return (*own, Parameter("breadth", "", 0.0, BROADEST, 0.5, 0.5))
+            return (*own, Parameter("breadth", "", 0.0, BROADEST, 1.0, 0.5))
         if "two" not in self.form:
             return own
         return (
@@ -150,8 +151,10 @@ class Creep(Term):
     def slight(self, values: np.ndarray, around: Surroundings) -> bool:
         """Arms slower than some cycles hardly answer them: their one settling is a drift.
 
-        One of a spread's many may be.
+        One of a spread's many may be; but a narrow spread is one time, or a lag beside friction.
         """
+        if SPREAD in self.form and values[2] < NARROW:
+            return True
         last = {SPREAD: -2, "two": -1}.get(self.form.split(" ")[-1])
         return last is not None and bool(self.arms(values)[last][1] > SLOWEST * around.period_s)
 
