@@ -15,7 +15,7 @@ from pipeline.physics.term import Parameter, Shown, Surroundings, Term, Told
 
 LEFT, LOOSENED, LOOSE = ((0.65, 0.3), (0.5, 0.7)), 1.4, 0.02
 SHARP = 0.2
-WRAPPED, ASYMMETRIC, TWICE = "wrapped", "driven asymmetric", "at two places"
+WRAPPED, ASYMMETRIC = "wrapped", "driven asymmetric"
 
 
 class Friction(Term):
@@ -33,8 +33,6 @@ class Friction(Term):
     sheaths have it, over no shorter a reach than keeps the joint from moving against the drive; it
     is told by what it holds back at the joint, like the others. In form "driven asymmetric" it is
     held more in one direction than in the other.
-    Form "at two places" has one slider besides, with a share of the width and a reach of its own:
-    a bank whose reaches lie in two groups.
     Sources: Euler (1769); Iwan (1966); Al-Bender and Swevers, IEEE Control Systems 28(6) (2008) 64.
     """
 
@@ -45,7 +43,7 @@ class Friction(Term):
     in_balance = True
     mistaken_for = Backlash.name
     grows: ClassVar = {
-        "symmetric": ("asymmetric", "bristle", "bristle asymmetric", "driven", WRAPPED, TWICE),
+        "symmetric": ("asymmetric", "bristle", "bristle asymmetric", "driven", WRAPPED),
         "driven": (ASYMMETRIC,),
     }
     means = "wire friction with pre-sliding: a loop with rounded corners"
@@ -76,12 +74,6 @@ class Friction(Term):
         if self.form == WRAPPED:
             far = 0.5 * around.angle_span
             return (*own, Parameter("growth", f"1/{unit}", 0.0, 8.0 / far, 0.5 / far, 2.0 / far))
-        if self.form == TWICE:
-            return (
-                *own,
-                Parameter("share", "", 0.0, 1.0, 0.3, 0.3),
-                Parameter("reach_2", unit, 1e-3 * span, span, 0.1 * span, 0.1 * span),
-            )
         if "asymmetric" not in self.form:
             return own
         return (*own, Parameter("asymmetry", "", -0.9, 0.9, 0.0, 0.3))
@@ -93,8 +85,6 @@ class Friction(Term):
         if "bristle" in self.form:
             limits = 0.5 * width * (1.0 + asymmetry), 0.5 * width * (1.0 - asymmetry)
             return Load(bristle=np.array([[0.5 * width / reach, *limits, spread]]))
-        if self.form == TWICE:
-            return Load(slip=slips_at_two(values))
         reaches = reaches_of(reach, spread)
         limit = 0.5 * width / ELEMENTS
         slip = np.empty((ELEMENTS, 4))
@@ -142,11 +132,6 @@ class Friction(Term):
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
         span = around.drive_span if self.before_curve else around.angle_span
-        if self.form == TWICE:
-            places = [
-                (w, r, s) for w in (0.01, 0.04, 0.15) for r in (0.02, 0.1) for s in (0.3, 3.0)
-            ]
-            return np.array([[w * span, r * span, 0.7, 0.3, r * s * span] for w, r, s in places])
         tail = [0.0] if "asymmetric" in self.form else [1.0 / span] if self.form == WRAPPED else []
         return np.array(
             [
@@ -155,12 +140,3 @@ class Friction(Term):
                 for reach in (0.01, 0.04, 0.15)
             ]
         )
-
-
-def slips_at_two(values: np.ndarray) -> np.ndarray:
-    """Slip elements (ELEMENTS + 1, 4) of a bank and of one slider with a reach of its own."""
-    width, reach, spread, share, reach_2 = values
-    reaches = np.append(reaches_of(reach, spread), reach_2)
-    shares = np.append(np.full(ELEMENTS, (1.0 - share) / ELEMENTS), share)
-    limits = 0.5 * width * shares
-    return np.column_stack([limits / reaches, limits, limits, np.zeros(len(limits))])

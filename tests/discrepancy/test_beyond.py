@@ -172,23 +172,3 @@ def test_noise_does_not_hum_along_any_way(seed):
     turns = 50.0 * np.sin(np.arange(1200) / 17.0)
     for along in (turns, np.cumsum(np.abs(np.diff(turns, prepend=0.0))), np.round(turns)):
         assert not hum(rng.standard_normal(1200), along)[0]
-
-
-@pytest.mark.parametrize(
-    ("hidden", "verdict"),
-    [
-        ({"coupling/yaw_command_deg/lever": {"lever": 0.002}}, "partly_explained"),
-        (
-            {
-                "coupling/yaw_command_deg": {"gain": 0.1},
-                "coupling/yaw_command_deg/lever": {"lever": 0.002},
-            },
-            "explained",
-        ),
-    ],
-    ids=["its gain alone", "its place, too"],
-)
-def test_another_axis_that_changes_a_gain_and_moves_nothing_is_more_than_coupling(hidden, verdict):
-    result = diagnosed(recorded(hidden, two_axes=True, cycles=9))
-    assert names(result) == {"coupling"}
-    assert result.diagnoses[0].verdict == verdict

@@ -168,14 +168,6 @@ def test_a_slip_before_nearly_all_rows_makes_room_for_a_bend():
     np.testing.assert_allclose(slips.values[0::2], [-7.3], rtol=0.1)
 
 
-def test_rubbing_with_two_reaches_is_one_friction():
-    values = {"width": 5.6, "reach": 0.8, "spread": 0.5, "share": 0.5, "reach_2": 6.0}
-    best = explained(recorded({"friction/at two places": values}, noise=0.15)).choices[0]
-    assert [(p.term.name, p.term.form) for p in best.fit.pieces] == [("friction", "at two places")]
-    width, reach, _, _, reach_2 = best.fit.pieces[0].values
-    np.testing.assert_allclose([width, *sorted([reach, reach_2])], [5.6, 0.8, 6.0], rtol=0.25)
-
-
 def test_creep_over_decades_of_time_is_no_drift_besides():
     values = {"share": 0.4, "time_constant": 60.0, "breadth": 1.2}
     best = explained(recorded({"creep/spread": values}, noise=0.1, cycles=9)).choices[0]
