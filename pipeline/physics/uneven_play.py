@@ -21,7 +21,8 @@ class UnevenPlay(Term):
 
     Form "tapered": w = width (1 + taper (u - middle) / far), from the middle of the drive's range
     to its end at `far`: a pulley or a gear out of centre meshes deeper on one side of home, a wire
-    slackens the further it is paid out. Form "worn round": w = width (unworn + (1 - unworn)
+    slackens the further it is paid out. Friction that holds a share of a stiff wire's pull does the
+    same, and is told as well. Form "worn round": w = width (unworn + (1 - unworn)
     exp(-((u - place) / reach)^2)), as teeth wear round where they are used most: never without play
     elsewhere, which would be a joint that snaps over there, nor over most of the range.
     It starts in the middle of its gap. Sources: the play operator with a width that changes,
@@ -39,6 +40,7 @@ class UnevenPlay(Term):
     def __init__(self, form: str) -> None:
         self.form = form
         self.unlikely = LIKE_A_SHEATH if form == TAPERED else 0.0
+        self.also = ("friction",) if form == TAPERED else ()
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
         span, unit = around.drive_span, around.drive_unit

@@ -58,3 +58,14 @@ def test_an_old_frame_may_be_a_lag_that_is_charged_for_more_parameters(score, sa
     found = standing("frame_lag", frame, [frame, second], problem)
     assert ("response_lag" in found.alternatives) == said
     assert not found.tied
+
+
+@pytest.mark.parametrize(("taper", "said"), [(0.6, True), (None, False)])
+def test_play_that_tapers_may_be_friction_that_holds_a_share_of_the_pull(ground, taper, said):
+    play = Piece(term("backlash"), np.array([2.0]))
+    if taper is not None:
+        play = Piece(term("backlash", "tapered"), np.array([2.0, taper, 0.0, 55.0]))
+    best = Choice(evaluate(ground, [play]), (0, 0, 0), 0.0)
+    found = standing("backlash", best, [best], ground.problem)
+    assert ("friction" in found.alternatives) == said
+    assert found.tied == said

@@ -170,3 +170,14 @@ def test_steady_noise_leaves_a_wandering_zero_to_the_terms():
     family = noise_family(prior, problem, np.ones(ROWS, dtype=bool))
     assert wanders(family.pick(walk, (0, 0, 0))[1])
     assert not wanders(replace(family, steady=True).pick(walk, (0, 0, 0))[1])
+
+
+def test_slips_are_told_in_place_of_a_zero_that_walks_where_no_cycle_repeats_another():
+    slips = [3.0, 60.0, -4.0, 200.0, 3.0, 270.0]
+    recording = moved(20.0 * WAVES, ("lost_steps/thrice", slips), seed=3)
+    found = explain(problem_of(recording))
+    assert found.prior.repeats == 0
+    assert [(p.term.name, p.term.form) for p in found.choices[0].fit.pieces] == [
+        ("lost_steps", "thrice")
+    ]
+    assert not wanders(found.choices[0].place)

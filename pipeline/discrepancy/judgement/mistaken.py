@@ -5,6 +5,7 @@ from collections.abc import Container
 import numpy as np
 
 from pipeline.discrepancy.judgement.cycle_zero import about_each_zero
+from pipeline.discrepancy.judgement.loudness import loudness
 from pipeline.discrepancy.model.intervals import undated
 from pipeline.discrepancy.model.result import Estimate, Evidence, NamedPhysics, root_mean
 from pipeline.discrepancy.problem.late import LateFrames
@@ -144,15 +145,16 @@ def late_by(explanation: Explanation) -> LateFrames:
 
 
 def incredible(explanation: Explanation) -> np.ndarray:
-    """Training rows (n,) that are off by more than the noise makes credible.
+    """Training rows (n,) that are off by more than the noise at their angle makes credible.
 
     Those of a slip and those of an earlier pose are none.
     """
     problem, fit = explanation.problem, explanation.choices[0].fit
     rows = problem.train & explanation.outliers & ~undated(fit, problem.motion.time_s)
     rows &= ~late_by(explanation).aside
-    off = np.abs(errors_of(explanation))
-    return np.asarray(rows & (off > INCREDIBLE * fit.ground.noise.deviation))
+    off = errors_of(explanation)
+    usual = fit.ground.noise.deviation * loudness(off, fit.predicted, problem.train)
+    return np.asarray(rows & (np.abs(off) > INCREDIBLE * usual))
 
 
 def errors_of(explanation: Explanation) -> np.ndarray:

@@ -47,8 +47,8 @@ def named_physics(
         told = {*out, *(b.name for b in beside if b is not None)}
         if not structure.found:
             beside.append(zero_of_each_cycle(explanation.problem, best, evidence))
-        if out or not structure.found:
             beside.append(late_now_and_then(explanation, evidence))
+        if out or not structure.found:
             beside.append(mistaken_frames(explanation, evidence, told, structure.found))
     for own in beside:
         if own is not None:

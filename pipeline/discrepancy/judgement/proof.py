@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from pipeline.discrepancy.judgement.cycle_zero import about_each_zero, wanders_by_cycle
+from pipeline.discrepancy.judgement.slipped_again import slipped_again
 from pipeline.discrepancy.judgement.structure import (
     CHANCE,
     SLOW_CORRELATION,
@@ -77,8 +78,10 @@ def counted_errors(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Errors (n,) of a prediction (n,), and the rows (n,) that count.
 
-    Each cycle's zero is taken off where these differ.
+    Each cycle's zero is taken off where these differ, and so is a slip more where slips are named.
     """
+    again = slipped_again(problem, choice, predicted)
+    predicted = predicted if again is None else again.predicted
     off = problem.measured - predicted
     lone = set_aside(problem, predicted, explanation.prior)
     counted = ~lone & ~undated(choice.fit, problem.motion.time_s)

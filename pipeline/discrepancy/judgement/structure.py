@@ -12,6 +12,7 @@ from pipeline.discrepancy.judgement.force_rest import (
     too_slow,
 )
 from pipeline.discrepancy.judgement.hum import hum
+from pipeline.discrepancy.judgement.recurrence import foretold_share
 from pipeline.discrepancy.judgement.rest import Rest, repeated_rest, structured_rest, two_valued
 from pipeline.discrepancy.judgement.swinging import swings
 from pipeline.discrepancy.noise.family import WALKS, Place
@@ -28,6 +29,7 @@ SLOW_CORRELATION = 0.87
 ROUNDED = 1.1
 LEAST_ALIKE, AGAIN = 0.2, "what comes again where the motion does"
 SWINGS = "samples far off to one side and the other by turns: it swings there"
+RECURS = "swings that go on from sample to sample, as noise does not"
 JERKY, JERKS = 4.4, "jerks, each time elsewhere: it sticks and slips"
 
 
@@ -62,7 +64,7 @@ def structure_of(explanation: Explanation, choice: Choice) -> Structure:
     It shows in flexible curves of what was commanded that chance does not explain (likelihood
     ratio, Bonferroni over the families of curves), in noise that varies as slowly as physics does,
     in what cycles have in common at each step, in noise with two humps, in outliers that swing, in
-    a hum, in jerks, or, of a force, in what comes again where the motion does. What is surely there
+    a hum, in swings that go on, in jerks, or, of a force, in what comes again where the motion does. What is surely there
     but much smaller than the noise is the form of a term, no physics.
     """
     if rounded(explanation, choice):
@@ -76,6 +78,7 @@ def structure_of(explanation: Explanation, choice: Choice) -> Structure:
         or two_zeros(choice)
         or swinging(explanation, choice)
         or humming(explanation, choice)
+        or recurring(explanation, choice)
         or jerking(explanation, choice)
         or coming_again(again, choice)
     )
@@ -185,6 +188,16 @@ def humming(explanation: Explanation, choice: Choice) -> Sign | None:
             told = f"a hum {where}, again and again every {worded(period)} {unit}"
             return Sign(told, float(np.sqrt(share)) * ground.noise.deviation, CHANCE)
     return None
+
+
+def recurring(explanation: Explanation, choice: Choice) -> Sign | None:
+    """An angle's innovations that are foretold by those before, as no noise that forgets leaves."""
+    if explanation.problem.derivatives is not None:
+        return None
+    foretold, share = foretold_share(choice.fit.innovations)
+    return Sign(RECURS, float(np.sqrt(share)) * choice.fit.ground.noise.deviation, CHANCE) if (
+        foretold
+    ) else None
 
 
 def jerking(explanation: Explanation, choice: Choice) -> Sign | None:

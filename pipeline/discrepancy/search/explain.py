@@ -16,6 +16,7 @@ from pipeline.discrepancy.problem.thinning import sparser
 from pipeline.discrepancy.search.accuracy import within_accuracy
 from pipeline.discrepancy.search.alone import alone
 from pipeline.discrepancy.search.choose import (
+    LEAST_GAIN,
     RIVAL_GAP,
     SAME,
     Choice,
@@ -25,6 +26,7 @@ from pipeline.discrepancy.search.choose import (
     choose,
     choose_again,
     extended,
+    grown,
     piled,
 )
 from pipeline.discrepancy.search.contested import contested, levelled
@@ -128,6 +130,7 @@ def searched(problem: Problem) -> Explanation:
     told = pressed(search, sprung(search, oddly(search, alone(search, polished(search, choices)))))
     choices = levelled(search, searched_wide(search, choices, swinging(search, told)))
     choices = best_of_each([*contested(search, choices), *search.seen.values()])
+    choices = grown_last(search, choices)
     if prior.repeats == 0 and problem.derivatives is None:
         search, choices = judged(search, choices)
         near = [c for c in by_names(choices) if c.score < choices[0].score + RIVAL_GAP][:SETTLED]
@@ -146,6 +149,14 @@ def chosen_anew(
     used = problem.train & counted
     again = Search(search.terms, search.effects, noise_family(prior, problem, used))
     return again, used, choose_again(again, ground_of(problem, prior.model, used), choices)
+
+
+def grown_last(search: Search, choices: list[Choice]) -> list[Choice]:
+    """The choices; where the best of all can still grow, with what a polish of that comes to."""
+    richer = grown(search, choices[0])
+    if richer.score > choices[0].score - LEAST_GAIN:
+        return choices
+    return polished(search, best_of_each([richer, *choices]))
 
 
 def searched_wide(search: Search, begun: list[Choice], found: list[Choice]) -> list[Choice]:

@@ -14,6 +14,7 @@ from pipeline.physics.mechanism import Piece
 SLIPS = [LostSteps(form) for form in ("twice", "thrice", "fourfold")]
 USUAL_JITTER = 3
 MOMENTS, SHORTEST, BEGUN, SETTLED = 150, 4, 2, 2
+UNREPEATED = 40.0
 
 
 def stepped(search: Search, choice: Choice) -> Choice:
@@ -21,13 +22,14 @@ def stepped(search: Search, choice: Choice) -> Choice:
 
     A slip that is taken back, or followed by others as large, is not half explained by one: no
     single step leads to two, nor to one in every cycle. Beside slips a zero may still jitter: what
-    they promise is their gain on noise that does not.
+    they promise is their gain on noise that does not. Where no cycle repeats, noise that walks is
+    what follows all that was left out, and slips must be UNREPEATED better.
     """
     _, jitter, walk = choice.place
     rest = [p for p in choice.fit.pieces if not p.term.slow]
     restless = walk > 0 or jitter > USUAL_JITTER or len(rest) < len(choice.fit.pieces)
     known = any(t.name == LostSteps.name for t in search.terms)
-    if not (restless and known) or len(rest) >= MOST_TERMS or search.family.prior.repeats == 0:
+    if not (restless and known) or len(rest) >= MOST_TERMS:
         return choice
     still, place = search.stilled(evaluate(choice.fit.ground, rest), choice.place, 4)
     motion, around = still.ground.problem.motion, still.ground.problem.around
@@ -41,7 +43,9 @@ def stepped(search: Search, choice: Choice) -> Choice:
     fit = min((settle_moments(t) for t in ahead), key=lambda t: search.hoped(t, place))
     if search.hoped(fit, place) > search.hoped(still, place) - FAINT:
         return choice
-    return min(choice, search.weighed(fit, place), key=lambda c: c.score)
+    trial = search.weighed(fit, place)
+    margin = UNREPEATED if search.family.prior.repeats == 0 else 0.0
+    return trial if trial.score < choice.score - margin else choice
 
 
 def steps(fit: Fit, count: int) -> np.ndarray:

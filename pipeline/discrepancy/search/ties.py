@@ -70,6 +70,7 @@ def standing(name: str, best: Choice, choices: list[Choice], problem: Problem) -
     every = (*([name] if steady else []), *(BENDS & set(tied)))
     alike = [n for one in every for n in equivalents(one, problem)]
     like = dict.fromkeys([*looks_so, *sorted(alike)])
+    tied += [n for term in own for n in term.also if n not in names(best) | set(tied)]
     known = [n for n in like if n not in names(best) | set(tied)]
     unsettled = bool(tied) or bool(name in BENDS and known)
     return Standing(probability, tuple(sorted(tied) + known), unsettled)

@@ -1,0 +1,57 @@
+"""A slip after the last row that was fitted, where slips are named: no command foretells it."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from pipeline.discrepancy.judgement.rivals import mechanism_of
+from pipeline.discrepancy.problem.problem import Problem
+from pipeline.discrepancy.search.choose import Choice
+from pipeline.physics.lost_steps import LostSteps
+from pipeline.physics.mechanism import Piece
+
+SURE, FEWEST, MOST, TURNS, FIRST_JUMP = 10.0, 10, 0.5, 3, 0.01
+
+
+@dataclass(frozen=True)
+class Slip:
+    """When [s] and by how much [drive unit] it slipped; predicted: (n,) with it."""
+
+    time_s: float
+    jump: float
+    predicted: np.ndarray
+
+
+def slipped_again(problem: Problem, choice: Choice, predicted: np.ndarray) -> Slip | None:
+    """One more slip in the rows after those fitted, if slips are named and these rows say so.
+
+    It slips once more where a level of what a prediction (n,) leaves there, from some row on, is
+    worth SURE of its noises. Such a slip refutes no name: it bears one out. Its jump is fitted to
+    what it moves, its moment is that row's. Not where most held-out rows come last: they are then
+    all that the proof has.
+    """
+    slips = next((p.term for p in choice.fit.pieces if isinstance(p.term, LostSteps)), None)
+    off = problem.measured - predicted
+    last = int(np.flatnonzero(problem.train)[-1])
+    heldout = np.flatnonzero(problem.heldout & np.isfinite(off))
+    after = heldout[heldout > last]
+    if slips is None or not FEWEST <= len(after) <= MOST * len(heldout):
+        return None
+    behind = np.cumsum(off[after][::-1])[::-1]
+    worth = np.abs(behind) / np.sqrt(np.arange(len(after), 0, -1))
+    first = int(np.argmax(worth[: 1 - FEWEST]))
+    if worth[first] < SURE * choice.fit.ground.noise.deviation:
+        return None
+    rows, time_s = after[first:], float(problem.motion.time_s[after[first]]) - 1e-6
+    mechanism = mechanism_of(problem, choice)
+    form = f"once {slips.form.partition(' ')[2]}".strip()
+    jump, moved = FIRST_JUMP * problem.around.drive_span, predicted
+    for _ in range(TURNS):
+        slip = Piece(LostSteps(form), np.array([jump, time_s]))
+        moved = replace(mechanism, pieces=(*mechanism.pieces, slip)).respond(problem.motion)[0]
+        slope = (moved - predicted)[rows] / jump
+        wanted = float(slope @ off[rows]) / max(float(slope @ slope), 1e-300)
+        if wanted == 0.0:
+            return None
+        jump = wanted
+    return Slip(time_s, jump, moved)
