@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 
 from pipeline.discrepancy.fitting.charge import absurd_calibration
-from pipeline.discrepancy.judgement.borne_out import borne_out
 from pipeline.discrepancy.judgement.beyond import beyond_its_name
+from pipeline.discrepancy.judgement.borne_out import borne_out
 from pipeline.discrepancy.judgement.cycle_zero import wanders_by_cycle
 from pipeline.discrepancy.judgement.faint import without_faint
 from pipeline.discrepancy.judgement.force_rest import left_by, mean_square

@@ -35,9 +35,8 @@ def test_the_slip_after_the_last_row_fitted_is_found_and_foretold_from_then_on()
 
 
 def test_nothing_slips_again_where_nothing_did_or_no_slip_is_named():
-    assert looked_at(FIRST | {"jump_2": 0.0, "time_2": 100.0}, lost_steps=list(FIRST.values()))[
-        1
-    ] is None
+    once = FIRST | {"jump_2": 0.0, "time_2": 100.0}
+    assert looked_at(once, lost_steps=list(FIRST.values()))[1] is None
     assert looked_at(TWICE, drift=[0.1])[1] is None
 
 

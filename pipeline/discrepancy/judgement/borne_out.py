@@ -1,4 +1,4 @@
-"""Names that held-out rows bear out, where these rows are off by more than was left of the others."""
+"""Names that held-out rows bear out, where these are off by more than the rows fitted."""
 
 from dataclasses import replace
 

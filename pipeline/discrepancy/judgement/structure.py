@@ -64,8 +64,8 @@ def structure_of(explanation: Explanation, choice: Choice) -> Structure:
     It shows in flexible curves of what was commanded that chance does not explain (likelihood
     ratio, Bonferroni over the families of curves), in noise that varies as slowly as physics does,
     in what cycles have in common at each step, in noise with two humps, in outliers that swing, in
-    a hum, in swings that go on, in jerks, or, of a force, in what comes again where the motion does. What is surely there
-    but much smaller than the noise is the form of a term, no physics.
+    a hum, in swings that go on, in jerks, or, of a force, in what comes again where the motion
+    does. What is surely there but much smaller than the noise is the form of a term, no physics.
     """
     if rounded(explanation, choice):
         return Structure(False, None, 0.0, 1.0)
@@ -195,9 +195,8 @@ def recurring(explanation: Explanation, choice: Choice) -> Sign | None:
     if explanation.problem.derivatives is not None:
         return None
     foretold, share = foretold_share(choice.fit.innovations)
-    return Sign(RECURS, float(np.sqrt(share)) * choice.fit.ground.noise.deviation, CHANCE) if (
-        foretold
-    ) else None
+    size = float(np.sqrt(share)) * choice.fit.ground.noise.deviation
+    return Sign(RECURS, size, CHANCE) if foretold else None
 
 
 def jerking(explanation: Explanation, choice: Choice) -> Sign | None:

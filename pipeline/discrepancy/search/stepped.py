@@ -14,7 +14,6 @@ from pipeline.physics.mechanism import Piece
 SLIPS = [LostSteps(form) for form in ("twice", "thrice", "fourfold")]
 USUAL_JITTER = 3
 MOMENTS, SHORTEST, BEGUN, SETTLED = 150, 4, 2, 2
-UNREPEATED = 40.0
 
 
 def stepped(search: Search, choice: Choice) -> Choice:
@@ -22,8 +21,7 @@ def stepped(search: Search, choice: Choice) -> Choice:
 
     A slip that is taken back, or followed by others as large, is not half explained by one: no
     single step leads to two, nor to one in every cycle. Beside slips a zero may still jitter: what
-    they promise is their gain on noise that does not. Where no cycle repeats, noise that walks is
-    what follows all that was left out, and slips must be UNREPEATED better.
+    they promise is their gain on noise that does not.
     """
     _, jitter, walk = choice.place
     rest = [p for p in choice.fit.pieces if not p.term.slow]
@@ -43,9 +41,7 @@ def stepped(search: Search, choice: Choice) -> Choice:
     fit = min((settle_moments(t) for t in ahead), key=lambda t: search.hoped(t, place))
     if search.hoped(fit, place) > search.hoped(still, place) - FAINT:
         return choice
-    trial = search.weighed(fit, place)
-    margin = UNREPEATED if search.family.prior.repeats == 0 else 0.0
-    return trial if trial.score < choice.score - margin else choice
+    return min(choice, search.weighed(fit, place), key=lambda c: c.score)
 
 
 def steps(fit: Fit, count: int) -> np.ndarray:
