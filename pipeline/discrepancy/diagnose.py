@@ -6,7 +6,6 @@ import numpy as np
 
 from pipeline.discrepancy.fitting.charge import absurd_calibration
 from pipeline.discrepancy.judgement.beyond import beyond_its_name
-from pipeline.discrepancy.judgement.borne_out import borne_out
 from pipeline.discrepancy.judgement.cycle_zero import wanders_by_cycle
 from pipeline.discrepancy.judgement.faint import without_faint
 from pipeline.discrepancy.judgement.force_rest import left_by, mean_square
@@ -135,7 +134,6 @@ def decided(problem: Problem, explanation: Explanation) -> tuple[Choice, Structu
         where = strained(problem, off, counted, best.fit.ground.noise)
         if where is not None:
             structure = replace(structure, found=True, where=where)
-            best = borne_out(problem, explanation, best) if problem.static else best
     if structure.found:
         share = max(structure.share, share_left(explanation, best))
         structure = replace(structure, share=share)

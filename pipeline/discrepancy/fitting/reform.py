@@ -16,7 +16,7 @@ from pipeline.discrepancy.fitting.screen import PROMISING, gains_of
 from pipeline.physics.mechanism import Piece
 from pipeline.physics.term import Term
 
-MOST, BEGUN, NEAR = 10, 3, 20.0
+MOST, BEGUN = 10, 3
 
 
 def reformed(fit: Fit, place: int, term: Term) -> Fit:
@@ -54,9 +54,7 @@ def reformed(fit: Fit, place: int, term: Term) -> Fit:
     trials.sort(key=lambda t: t.cost)
     if term.far_apart:
         trials = sorted((improve(t, BEGUN) for t in trials[:MOST]), key=lambda t: t.cost)
-    begun = sorted((improve(t, BEGUN) for t in trials[:2]), key=lambda t: t.cost)
-    near = [t for t in begun if t.cost < begun[0].cost + NEAR]
-    return min((settle_moments(improve(t, 8)) for t in near), key=lambda t: t.cost)
+    return min((settle_moments(improve(t, 8)) for t in trials[:2]), key=lambda t: t.cost)
 
 
 def _within(box: Box, starts: np.ndarray) -> np.ndarray:

@@ -11,6 +11,7 @@ from pipeline.physics.lost_steps import LostSteps
 from pipeline.physics.mechanism import Piece
 
 SURE, FEWEST, MOST, TURNS, FIRST_JUMP = 10.0, 10, 0.5, 3, 0.01
+NEARLY, USUAL = 1.25, 1.4826
 
 
 @dataclass(frozen=True)
@@ -28,7 +29,7 @@ def slipped_again(problem: Problem, choice: Choice, predicted: np.ndarray) -> Sl
     It slips once more where a level of what a prediction (n,) leaves there, from some row on, is
     worth SURE of its noises. Such a slip refutes no name: it bears one out. Its jump is fitted to
     what it moves, its moment is that row's. Not where most held-out rows come last: they are then
-    all that the proof has.
+    all that the proof has; nor where more than the noise is left.
     """
     slips = next((p.term for p in choice.fit.pieces if isinstance(p.term, LostSteps)), None)
     off = problem.measured - predicted
@@ -40,7 +41,8 @@ def slipped_again(problem: Problem, choice: Choice, predicted: np.ndarray) -> Sl
     behind = np.cumsum(off[after][::-1])[::-1]
     worth = np.abs(behind) / np.sqrt(np.arange(len(after), 0, -1))
     first = int(np.argmax(worth[: 1 - FEWEST]))
-    if worth[first] < SURE * choice.fit.ground.noise.deviation:
+    noise = choice.fit.ground.noise.deviation
+    if worth[first] < SURE * noise:
         return None
     rows, time_s = after[first:], float(problem.motion.time_s[after[first]]) - 1e-6
     mechanism = mechanism_of(problem, choice)
@@ -54,4 +56,5 @@ def slipped_again(problem: Problem, choice: Choice, predicted: np.ndarray) -> Sl
         if wanted == 0.0:
             return None
         jump = wanted
-    return Slip(time_s, jump, moved)
+    left = USUAL * float(np.median(np.abs(problem.measured - moved)[after]))
+    return Slip(time_s, jump, moved) if left < NEARLY * noise else None

@@ -64,7 +64,7 @@ def structure_of(explanation: Explanation, choice: Choice) -> Structure:
     It shows in flexible curves of what was commanded that chance does not explain (likelihood
     ratio, Bonferroni over the families of curves), in noise that varies as slowly as physics does,
     in what cycles have in common at each step, in noise with two humps, in outliers that swing, in
-    a hum, in swings that go on, in jerks, or, of a force, in what comes again where the motion
+    a hum, in jerks, in swings that go on, or, of a force, in what comes again where the motion
     does. What is surely there but much smaller than the noise is the form of a term, no physics.
     """
     if rounded(explanation, choice):
@@ -78,8 +78,8 @@ def structure_of(explanation: Explanation, choice: Choice) -> Structure:
         or two_zeros(choice)
         or swinging(explanation, choice)
         or humming(explanation, choice)
-        or recurring(explanation, choice)
         or jerking(explanation, choice)
+        or recurring(explanation, choice)
         or coming_again(again, choice)
     )
     by_chance = min(min((r.p_value for r in rests), default=1.0) * len(rests), 1.0)

@@ -23,7 +23,7 @@ MOST_LEFT = 0.1
 PLAINLY, PLAINLY_OF_PILE = 4.0, 8.0
 UNFOLLOWED = 0.7
 FORM_ERROR = 0.05
-ODDS, BESIDE, RESTLESS = 2.0, 3.0, 7.0
+ODDS, BESIDE, RESTLESS, COMMONER = 2.0, 3.0, 7.0, 9.0
 USUAL = 3  # a zero that jitters by 0.3 of the noise, or walks by 0.017 of it from row to row
 
 
@@ -50,10 +50,14 @@ def sure_of_slow(explanation: Explanation, best: Choice) -> Choice:
     Where cycles repeat, such a zero is nothing to be named by itself: the odds against it must be 2
     to 1. Beside other names the simulation is known to leave things out, and a zero that walks is
     told as the drift or slip that fits about as well; one that is as restless as hardly a sensor's
-    is, as what makes it calmer, even if that is worth no more than its own charge.
+    is, as what makes it calmer, even if that is worth no more than its own charge. Nor is a drift
+    or slip told beside them that fits hardly better than a zero that jitters from cycle to cycle,
+    which is COMMONER times as common.
     """
     others = names(best) - best.fit.slow
-    if explanation.prior.repeats == 0 or (others and best.fit.slow):
+    if others and best.fit.slow:
+        return unslowed(explanation, best)
+    if explanation.prior.repeats == 0:
         return best
     if others:
         slow = [c for c in explanation.choices if c.fit.slow and names(c) - c.fit.slow == others]
@@ -66,6 +70,15 @@ def sure_of_slow(explanation: Explanation, best: Choice) -> Choice:
     rivals = [c for c in fewer_slow if wanders(c.place)]
     rival = min(rivals, key=lambda c: c.score, default=best)
     return rival if rival.score < best.score + 2.0 * np.log(ODDS) else best
+
+
+def unslowed(explanation: Explanation, best: Choice) -> Choice:
+    """The best choice, or what fits nearly as well by a zero that jitters as by its slow names."""
+    others = names(best) - best.fit.slow
+    jittering = [c for c in explanation.choices if c.place[1] > 0 and c.place[2] == 0]
+    rivals = [c for c in jittering if names(c) == others]
+    rival = min(rivals, key=lambda c: c.score, default=best)
+    return rival if rival.score < best.score + 2.0 * np.log(COMMONER) else best
 
 
 def unrest(choice: Choice) -> tuple[int, int]:
