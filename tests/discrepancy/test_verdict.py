@@ -50,6 +50,17 @@ def test_beside_other_names_a_restless_zero_is_told_as_the_drift_that_fits_as_we
     assert ("drift" in chosen(found, ((PLAY,), place, 0.0), jitters)) == named
 
 
+@pytest.mark.parametrize(
+    ("place", "behind", "named"),
+    [(JITTERS, 3.0, False), (JITTERS, 6.0, True), (WALKS, 3.0, True), (LEAPS, 3.0, True)],
+)
+def test_a_drift_beside_other_names_must_fit_clearly_better_than_a_usual_jitter(
+    found: Explanation, place: Place, behind: float, named: bool
+) -> None:
+    slow = ((PLAY, DRIFT), STILL, 0.0)
+    assert ("drift" in chosen(found, slow, ((PLAY,), place, behind))) == named
+
+
 def test_a_drift_is_not_told_in_place_of_other_noise(found: Explanation) -> None:
     assert chosen(found, ((PLAY,), JITTERS, 0.0), ((PLAY, DRIFT), STILL, 1.0)) == {"backlash"}
     assert chosen(found, ((PLAY,), LEAPS, 0.0), ((PLAY, DRIFT), LEAPS, 1.0)) == {"backlash"}

@@ -73,9 +73,9 @@ def sure_of_slow(explanation: Explanation, best: Choice) -> Choice:
 
 
 def unslowed(explanation: Explanation, best: Choice) -> Choice:
-    """The best choice, or what fits nearly as well by a zero that jitters as by its slow names."""
+    """The best choice, or what fits nearly as well by a usual jitter as by its slow names."""
     others = names(best) - best.fit.slow
-    jittering = [c for c in explanation.choices if c.place[1] > 0 and c.place[2] == 0]
+    jittering = [c for c in explanation.choices if 0 < c.place[1] <= USUAL and c.place[2] == 0]
     rivals = [c for c in jittering if names(c) == others]
     rival = min(rivals, key=lambda c: c.score, default=best)
     return rival if rival.score < best.score + 2.0 * np.log(COMMONER) else best
