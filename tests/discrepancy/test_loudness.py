@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from pipeline.discrepancy.judgement.loudness import loudness
+from pipeline.discrepancy.judgement.loudness import loud_note, loudness
 from tests.discrepancy.made import ANGLE, SIMULATED, changed, diagnosed, names, recorded
 
 ROWS = 1200
@@ -19,6 +19,7 @@ def errors(growing: float) -> np.ndarray:
 
 def test_noise_of_one_size_is_nowhere_louder():
     assert np.all(loudness(errors(0.0), ANGLES, EVERY) == 1.0)
+    assert loud_note(errors(0.0), ANGLES, EVERY, "deg") == []
 
 
 def test_noise_that_grows_with_the_angle_is_louder_at_the_ends():
@@ -48,3 +49,4 @@ def test_a_sensor_that_is_noisy_at_the_ends_mistakes_no_frames(seed):
     result = diagnosed(changed(recording, **{ANGLE: recording.values(ANGLE) + loud}))
     assert names(result) == set()
     assert result.diagnoses[0].verdict == "no_mismatch"
+    assert any("times as large as usual" in note for note in result.diagnoses[0].notes)

@@ -34,6 +34,12 @@ def test_the_slip_after_the_last_row_fitted_is_found_and_foretold_from_then_on()
     assert np.std((problem.measured - found.predicted)[last]) < 1.3 * NOISE
 
 
+def test_what_cannot_move_is_not_said_to_have_slipped():
+    choice, found = looked_at(TWICE, lost_steps=list(FIRST.values()), end_stop=[-80.0, 0.01, 0.02])
+    assert found is None
+    assert choice.fit.names == ("lost_steps", "end_stop")
+
+
 def test_nothing_slips_again_where_nothing_did_or_no_slip_is_named():
     once = FIRST | {"jump_2": 0.0, "time_2": 100.0}
     assert looked_at(once, lost_steps=list(FIRST.values()))[1] is None
@@ -44,3 +50,4 @@ def test_a_slip_in_the_last_held_out_cycle_refutes_no_slips():
     result = diagnosed(recorded({"lost_steps/twice": TWICE}, cycles=9))
     assert names(result) == {"lost_steps"}
     assert result.diagnoses[0].verdict == "explained"
+    assert any("slips once more, by 3" in note for note in result.diagnoses[0].notes)

@@ -3,8 +3,10 @@
 import numpy as np
 
 from pipeline.discrepancy.problem.outliers import robust_deviation
+from pipeline.number_words import worded
 
 PLACES, FEWEST, SURE = 8, 20, 4.0
+WORTH_SAYING = 1.5
 
 
 def loudness(errors: np.ndarray, along: np.ndarray, train: np.ndarray) -> np.ndarray:
@@ -24,3 +26,15 @@ def loudness(errors: np.ndarray, along: np.ndarray, train: np.ndarray) -> np.nda
     ratios = np.array([robust_deviation(errors[part]) for part in parts]) / usual
     least = 1.0 + SURE * 0.83 / np.sqrt(len(parts[-1]))
     return np.asarray(np.interp(along, middles, np.where(ratios > least, ratios, 1.0)))
+
+
+def loud_note(errors: np.ndarray, along: np.ndarray, train: np.ndarray, unit: str) -> list[str]:
+    """Where the noise is much louder than usual, in words; nothing where it is nowhere."""
+    louder = np.where(train, loudness(errors, along, train), 0.0)
+    most = int(np.argmax(louder))
+    if louder[most] < WORTH_SAYING:
+        return []
+    return [
+        f"The noise is up to {worded(louder[most])} times as large as usual, about "
+        f"{worded(along[most])} {unit}: what stands off there is judged by that."
+    ]

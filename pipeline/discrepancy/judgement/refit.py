@@ -10,6 +10,8 @@ from pipeline.discrepancy.fitting.fit import Fit, evaluate, improve
 from pipeline.discrepancy.fitting.ground import ground_of
 from pipeline.discrepancy.fitting.moments import moments, moments_of, moved, settle_moments
 from pipeline.discrepancy.fitting.reform import reformed
+from pipeline.discrepancy.judgement.rivals import mechanism_of
+from pipeline.discrepancy.judgement.slipped_again import slipped_again
 from pipeline.discrepancy.model.intervals import moment_interval, undated
 from pipeline.discrepancy.problem.problem import Problem
 from pipeline.discrepancy.search.choose import Choice, names
@@ -37,19 +39,22 @@ def refitted(problem: Problem, explanation: Explanation, choice: Choice) -> Choi
 
     For rows after the recording alone: what is said of its own rows has seen no held-out one.
     Held-out rows that stand off are left out, but not those between which a slip lies: now they
-    tell when it was. problem: its rows as a fit takes them, all of them.
+    tell when it was. Slips that are named may go on in them, see `slipped_again`. problem: its rows
+    as a fit takes them, all of them.
     """
     fit, prior = choice.fit, explanation.prior
     known = replace(problem, train=problem.train | problem.heldout)
     ground = ground_of(known, fit.ground.noise, problem.train & settled_rows(problem, prior))
-    predicted = evaluate(ground, fit.pieces).predicted
+    again = slipped_again(problem, choice, mechanism_of(problem, choice).respond(problem.motion)[0])
+    pieces = fit.pieces if again is None else (*fit.pieces, again.piece)
+    predicted = evaluate(ground, pieces).predicted
     off = known.measured - predicted
     noise = fit.ground.noise
     odd = set_aside(known, predicted, prior)
     odd |= np.abs(off) > INCREDIBLE * np.hypot(noise.deviation, noise.jitter)
     odd &= ~undated(fit, known.motion.time_s)
     used = known.train & settled_rows(known, prior) & ~odd
-    whole = dated(evaluate(replace(ground, used=used), fit.pieces), fit)
+    whole = dated(evaluate(replace(ground, used=used), pieces), fit)
     return replace(choice, fit=in_course(settle_moments(improve(whole)), explanation.search.terms))
 
 

@@ -7,8 +7,9 @@ import numpy as np
 from pipeline.discrepancy.judgement.rivals import mechanism_of
 from pipeline.discrepancy.problem.problem import Problem
 from pipeline.discrepancy.search.choose import Choice
+from pipeline.number_words import worded
 from pipeline.physics.lost_steps import LostSteps
-from pipeline.physics.mechanism import Piece
+from pipeline.physics.mechanism import Mechanism, Piece
 
 SURE, FEWEST, MOST, TURNS, FIRST_JUMP = 10.0, 10, 0.5, 3, 0.01
 NEARLY, USUAL = 1.25, 1.4826
@@ -16,10 +17,11 @@ NEARLY, USUAL = 1.25, 1.4826
 
 @dataclass(frozen=True)
 class Slip:
-    """When [s] and by how much [drive unit] it slipped; predicted: (n,) with it."""
+    """A slip by `jump` [drive unit] at a moment [s] as a piece; predicted: (n,) with it."""
 
-    time_s: float
+    piece: Piece
     jump: float
+    time_s: float
     predicted: np.ndarray
 
 
@@ -47,14 +49,33 @@ def slipped_again(problem: Problem, choice: Choice, predicted: np.ndarray) -> Sl
     rows, time_s = after[first:], float(problem.motion.time_s[after[first]]) - 1e-6
     mechanism = mechanism_of(problem, choice)
     form = f"once {slips.form.partition(' ')[2]}".strip()
-    jump, moved = FIRST_JUMP * problem.around.drive_span, predicted
+    jump = FIRST_JUMP * problem.around.drive_span
+    slip, moved = with_slip(mechanism, form, jump, time_s, problem)
     for _ in range(TURNS):
-        slip = Piece(LostSteps(form), np.array([jump, time_s]))
-        moved = replace(mechanism, pieces=(*mechanism.pieces, slip)).respond(problem.motion)[0]
         slope = (moved - predicted)[rows] / jump
-        wanted = float(slope @ off[rows]) / max(float(slope @ slope), 1e-300)
-        if wanted == 0.0:
+        jump = float(slope @ off[rows]) / max(float(slope @ slope), 1e-300)
+        if jump == 0.0:
             return None
-        jump = wanted
+        slip, moved = with_slip(mechanism, form, jump, time_s, problem)
     left = USUAL * float(np.median(np.abs(problem.measured - moved)[after]))
-    return Slip(time_s, jump, moved) if left < NEARLY * noise else None
+    return Slip(slip, jump, time_s, moved) if left < NEARLY * noise else None
+
+
+def with_slip(
+    mechanism: Mechanism, form: str, jump: float, time_s: float, problem: Problem
+) -> tuple[Piece, np.ndarray]:
+    """A slip as a piece, and what a mechanism answers with it, (n,)."""
+    slip = Piece(LostSteps(form), np.array([jump, time_s]))
+    return slip, replace(mechanism, pieces=(*mechanism.pieces, slip)).respond(problem.motion)[0]
+
+
+def slip_note(problem: Problem, choice: Choice, predicted: np.ndarray) -> list[str]:
+    """That it slipped once more in held-out rows, in words; nothing where it did not."""
+    again = slipped_again(problem, choice, predicted)
+    if again is None:
+        return []
+    return [
+        f"In held-out rows it slips once more, by {worded(abs(again.jump))} "
+        f"{problem.around.drive_unit} at {worded(again.time_s)} s: no command foretells that. The "
+        "held-out error counts it, the verdict does not."
+    ]
