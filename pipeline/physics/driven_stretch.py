@@ -16,10 +16,12 @@ class DrivenStretch(Compliance):
     """x = u - softness u / (1 + |u / reach|^a)^(1 / a), u the drive off its centre.
 
     The larger the `abruptness` a, the sooner it is gone at the reach; a wire that loses more than
-    half of the way hangs slack. Source: Richard and Abbott, J. Eng. Mech. Div. ASCE 101 (1975) 511.
+    half of the way hangs slack, and one that loses nearly as much may sag: that is told as well.
+    Source: Richard and Abbott, J. Eng. Mech. Div. ASCE 101 (1975) 511.
     """
 
     form = DRIVEN
+    also = ("slack",)
     before_curve = True
     in_balance = False
 

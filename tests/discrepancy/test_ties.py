@@ -60,12 +60,21 @@ def test_an_old_frame_may_be_a_lag_that_is_charged_for_more_parameters(score, sa
     assert not found.tied
 
 
-@pytest.mark.parametrize(("taper", "said"), [(0.6, True), (None, False)])
-def test_play_that_tapers_may_be_friction_that_holds_a_share_of_the_pull(ground, taper, said):
-    play = Piece(term("backlash"), np.array([2.0]))
-    if taper is not None:
-        play = Piece(term("backlash", "tapered"), np.array([2.0, taper, 0.0, 55.0]))
-    best = Choice(evaluate(ground, [play]), (0, 0, 0), 0.0)
-    found = standing("backlash", best, [best], ground.problem)
-    assert ("friction" in found.alternatives) == said
-    assert found.tied == said
+ALSO = [
+    ("backlash", "tapered", [2.0, 0.6, 0.0, 55.0], "friction"),
+    ("compliance", "driven", [0.4, 10.0, 1.0, 0.0], "slack"),
+]
+
+
+@pytest.mark.parametrize(("name", "form", "values", "also"), ALSO)
+def test_what_another_name_tells_as_well_is_listed_and_ties(ground, name, form, values, also):
+    piece = Piece(term(name, form), np.array(values))
+    best = Choice(evaluate(ground, [piece]), (0, 0, 0), 0.0)
+    found = standing(name, best, [best], ground.problem)
+    assert also in found.alternatives
+    assert found.tied
+
+
+def test_play_of_one_width_is_no_friction(ground):
+    play = chosen(ground, 0.0, backlash=[2.0])
+    assert "friction" not in standing("backlash", play, [play], ground.problem).alternatives

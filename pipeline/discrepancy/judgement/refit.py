@@ -45,7 +45,10 @@ def refitted(problem: Problem, explanation: Explanation, choice: Choice) -> Choi
     fit, prior = choice.fit, explanation.prior
     known = replace(problem, train=problem.train | problem.heldout)
     ground = ground_of(known, fit.ground.noise, problem.train & settled_rows(problem, prior))
-    again = slipped_again(problem, choice, mechanism_of(problem, choice).respond(problem.motion)[0])
+    again = None
+    if problem.by_row(fit.pieces):
+        answer = mechanism_of(problem, choice).respond(problem.motion)[0]
+        again = slipped_again(problem, choice, answer)
     pieces = fit.pieces if again is None else (*fit.pieces, again.piece)
     predicted = evaluate(ground, pieces).predicted
     off = known.measured - predicted
