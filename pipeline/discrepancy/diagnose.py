@@ -123,7 +123,10 @@ def decided(problem: Problem, explanation: Explanation) -> tuple[Choice, Structu
     if not (accurate or structure.found):
         structure = disproved(problem, explanation, best, predicted, structure)
     if structure.found and unrepeated:
-        best = foretold_part(explanation.choices, best)
+        if absurd is None:
+            structure = told_but_for_its_form(explanation, best, structure)
+        if structure.found:
+            best = foretold_part(explanation.choices, best)
     elif structure.found:
         best = fewer(explanation, best)
         if absurd is None:

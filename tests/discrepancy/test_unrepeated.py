@@ -7,7 +7,9 @@ import pandas as pd
 import pytest
 
 from pipeline.config import DiagnosisConfig
+from pipeline.discrepancy import diagnose as diagnosis_of_one
 from pipeline.discrepancy.fitting.fit import evaluate
+from pipeline.discrepancy.judgement.structure import Structure
 from pipeline.discrepancy.noise.family import noise_family
 from pipeline.discrepancy.noise.learning import NoisePrior
 from pipeline.discrepancy.noise.noise import NoiseModel
@@ -181,3 +183,14 @@ def test_slips_are_told_in_place_of_a_zero_that_walks_where_no_cycle_repeats_ano
         ("lost_steps", "thrice")
     ]
     assert not wanders(found.choices[0].place)
+
+
+@pytest.mark.parametrize(("share", "told"), [(1e-4, False), (0.1, True)])
+def test_a_rest_that_is_small_is_the_form_of_what_was_named(monkeypatch, share, told):
+    found = explain(problem_of(moved(20.0 * WAVES, ("backlash", [6.0]), seed=1)))
+    assert found.prior.repeats == 0
+    rest = Structure(True, "elsewhere", share, 1e-9)
+    monkeypatch.setattr(diagnosis_of_one, "structure_of", lambda *_: rest)
+    best, structure, _ = diagnosis_of_one.decided(found.problem, found)
+    assert structure.found == told
+    assert best.fit.names == ("backlash",)
