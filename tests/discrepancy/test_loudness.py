@@ -50,3 +50,9 @@ def test_a_sensor_that_is_noisy_at_the_ends_mistakes_no_frames(seed):
     assert names(result) == set()
     assert result.diagnoses[0].verdict == "no_mismatch"
     assert any("times as large as usual" in note for note in result.diagnoses[0].notes)
+
+
+def test_the_rounding_of_numbers_is_not_said_to_be_loud():
+    recording = recorded({}, cycles=9, noise=0.0, gain=1.0, offset=0.0)
+    same = changed(recording, **{ANGLE: recording.values(SIMULATED)})
+    assert not any("times as large" in note for note in diagnosed(same).diagnoses[0].notes)

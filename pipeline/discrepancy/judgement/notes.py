@@ -6,6 +6,7 @@ from pipeline.discrepancy.judgement.calibration_note import calibration_note
 from pipeline.discrepancy.judgement.first_slip import start_note
 from pipeline.discrepancy.judgement.loudness import loud_note
 from pipeline.discrepancy.judgement.slipped_again import slip_note
+from pipeline.discrepancy.judgement.structure import rounded
 from pipeline.discrepancy.judgement.verdict import intolerable
 from pipeline.discrepancy.model.result import Evidence, root_mean
 from pipeline.discrepancy.problem.fitted import LOOSE_GAIN
@@ -52,7 +53,8 @@ def notes(
     if problem.derivatives is None:
         errors, unit = problem.measured - evidence.after, problem.around.angle_unit
         out += slip_note(problem, best, evidence.after)
-        out += loud_note(errors, evidence.after, problem.train, unit)
+        if not rounded(explanation, best):
+            out += loud_note(errors, evidence.after, problem.train, unit)
     if problem.derivatives is not None:
         out += force_notes(problem, problem.derivatives, every)
     elif every > 1:
