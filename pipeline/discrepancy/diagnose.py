@@ -120,13 +120,12 @@ def decided(problem: Problem, explanation: Explanation) -> tuple[Choice, Structu
         structure = replace(structure, found=True, where=absurd)
     unrepeated = explanation.prior.repeats == 0 and problem.derivatives is None and testable(best)
     predicted = mechanism_of(problem, best).respond(problem.motion)[0]
+    if structure.found and unrepeated and absurd is None:
+        structure = told_but_for_its_form(explanation, best, structure)
     if not (accurate or structure.found):
         structure = disproved(problem, explanation, best, predicted, structure)
     if structure.found and unrepeated:
-        if absurd is None:
-            structure = told_but_for_its_form(explanation, best, structure)
-        if structure.found:
-            best = foretold_part(explanation.choices, best)
+        best = foretold_part(explanation.choices, best)
     elif structure.found:
         best = fewer(explanation, best)
         if absurd is None:

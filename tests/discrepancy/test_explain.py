@@ -15,6 +15,7 @@ from pipeline.discrepancy.search.disguise import as_itself, plain_fit, undisguis
 from pipeline.discrepancy.search.exchange import exchanged
 from pipeline.discrepancy.search.explain import (
     fitted_with_all,
+    grown_last,
     refuted,
     searched_wide,
 )
@@ -349,3 +350,16 @@ def test_a_form_that_was_grown_too_far_is_made_plain_again():
     again = simpler(search, search.weighed(fit, plain.place))
     assert again.fit.key == plain.fit.key
     assert again.score == pytest.approx(plain.score, abs=1.0)
+
+
+def test_a_best_that_was_left_in_a_plainer_form_grows_at_last():
+    waves = {"amplitude": 1.5, "period": 24.0, "phase": 0.5, "amplitude_2": 0.9, "phase_2": 1.0}
+    found = explained(recorded({"transmission_ripple/second": waves}))
+    search, best = found.search, found.choices[0]
+    assert grown_last(search, [best]) == [best]
+    ripple = term("transmission_ripple")
+    fit = improve(evaluate(best.fit.ground, [Piece(ripple, np.array([1.5, 24.0, 0.5]))]))
+    plainer = replace(search, vain={}, seen={}).weighed(fit, best.place)
+    grown = grown_last(replace(search, vain={}), [plainer])[0]
+    assert grown.score < plainer.score - 20.0
+    assert grown.fit.pieces[0].term.overtones == (2,)

@@ -5,7 +5,7 @@ import pytest
 
 from pipeline.discrepancy.judgement.recurrence import foretold_share
 from pipeline.discrepancy.judgement.structure import RECURS
-from tests.discrepancy.made import ANGLE, changed, diagnosed, recorded
+from tests.discrepancy.made import ANGLE, changed, diagnosed, names, recorded
 
 ROWS = 1000
 E = np.random.default_rng(8).standard_normal(ROWS)
@@ -42,3 +42,17 @@ def test_teeth_whose_phase_walks_are_no_noise(period_deg):
     found = diagnosed(changed(recording, **{ANGLE: recording.values(ANGLE) + teeth})).diagnoses[0]
     assert found.verdict in ("unknown_physics", "partly_explained")
     assert found.unexplained.where == RECURS
+
+
+def test_beside_a_rest_that_nothing_explains_no_frames_are_called_late():
+    recording = recorded({"backlash": {"width": 8.0}}, cycles=9)
+    drive, measured = recording.values("pitch_command_deg"), recording.values(ANGLE)
+    late = np.random.default_rng(1).random(len(measured)) < 0.05
+    stale = np.where(late, np.roll(measured, 1), measured)
+    way = np.cumsum(np.abs(np.diff(drive, prepend=drive[0])))
+    teeth = 0.35 * np.sin(2.0 * np.pi * drive / 22.0 + way / 150.0)
+    named = {
+        rest: names(diagnosed(changed(recording, **{ANGLE: stale + rest * teeth})))
+        for rest in (0.0, 1.0)
+    }
+    assert named == {0.0: {"backlash", "frame_lag"}, 1.0: {"backlash"}}

@@ -50,15 +50,15 @@ def notes(
     outliers = int((np.isfinite(problem.measured) & ~evidence.used).sum())
     if outliers:
         out.append(f"{outliers} samples stand off from their neighbours and were not counted.")
-    if problem.derivatives is None:
+    if problem.derivatives is not None:
+        out += force_notes(problem, problem.derivatives, every)
+    else:
         errors, unit = problem.measured - evidence.after, problem.around.angle_unit
         out += slip_note(problem, best, evidence.after)
         if not rounded(explanation, best):
             out += loud_note(errors, evidence.after, problem.train, unit)
-    if problem.derivatives is not None:
-        out += force_notes(problem, problem.derivatives, every)
-    elif every > 1:
-        out.append(f"Terms were fitted on one sample in {every} and all reversals.")
+        if every > 1:
+            out.append(f"Terms were fitted on one sample in {every} and all reversals.")
     if not problem.static:
         out.append(
             "The simulation is no static curve of one command: terms act on its trace. What acts "

@@ -17,11 +17,9 @@ NEARLY, USUAL = 1.25, 1.4826
 
 @dataclass(frozen=True)
 class Slip:
-    """A slip by `jump` [drive unit] at a moment [s] as a piece; predicted: (n,) with it."""
+    """A slip as a piece (jump [drive unit], time [s]); predicted: (n,) with it."""
 
     piece: Piece
-    jump: float
-    time_s: float
     predicted: np.ndarray
 
 
@@ -50,23 +48,24 @@ def slipped_again(problem: Problem, choice: Choice, predicted: np.ndarray) -> Sl
     mechanism = mechanism_of(problem, choice)
     form = f"once {slips.form.partition(' ')[2]}".strip()
     jump = FIRST_JUMP * problem.around.drive_span
-    slip, moved = with_slip(mechanism, form, jump, time_s, problem)
+    slip = with_slip(problem, mechanism, form, jump, time_s)
     for _ in range(TURNS):
-        slope = (moved - predicted)[rows] / jump
+        slope = (slip.predicted - predicted)[rows] / jump
         jump = float(slope @ off[rows]) / max(float(slope @ slope), 1e-300)
         if jump == 0.0:
             return None
-        slip, moved = with_slip(mechanism, form, jump, time_s, problem)
-    left = USUAL * float(np.median(np.abs(problem.measured - moved)[after]))
-    return Slip(slip, jump, time_s, moved) if left < NEARLY * noise else None
+        slip = with_slip(problem, mechanism, form, jump, time_s)
+    left = USUAL * float(np.median(np.abs(problem.measured - slip.predicted)[after]))
+    return slip if left < NEARLY * noise else None
 
 
 def with_slip(
-    mechanism: Mechanism, form: str, jump: float, time_s: float, problem: Problem
-) -> tuple[Piece, np.ndarray]:
-    """A slip as a piece, and what a mechanism answers with it, (n,)."""
-    slip = Piece(LostSteps(form), np.array([jump, time_s]))
-    return slip, replace(mechanism, pieces=(*mechanism.pieces, slip)).respond(problem.motion)[0]
+    problem: Problem, mechanism: Mechanism, form: str, jump: float, time_s: float
+) -> Slip:
+    """What a mechanism answers with a slip more."""
+    piece = Piece(LostSteps(form), np.array([jump, time_s]))
+    slipping = replace(mechanism, pieces=(*mechanism.pieces, piece))
+    return Slip(piece, slipping.respond(problem.motion)[0])
 
 
 def slip_note(problem: Problem, choice: Choice, predicted: np.ndarray) -> list[str]:
@@ -74,8 +73,9 @@ def slip_note(problem: Problem, choice: Choice, predicted: np.ndarray) -> list[s
     again = slipped_again(problem, choice, predicted)
     if again is None:
         return []
+    jump, time_s = again.piece.values
     return [
-        f"In held-out rows it slips once more, by {worded(abs(again.jump))} "
-        f"{problem.around.drive_unit} at {worded(again.time_s)} s: no command foretells that. The "
+        f"In held-out rows it slips once more, by {worded(abs(jump))} "
+        f"{problem.around.drive_unit} at {worded(time_s)} s: no command foretells that. The "
         "held-out error counts it, the verdict does not."
     ]
