@@ -14,7 +14,8 @@ from pipeline.physics.term import Parameter, Term
 ITERATIONS = 12
 DAMPINGS = 6
 TOLERANCE = 0.1
-TRUSTED = 0.5
+TRUSTED = 0.25
+BEHIND = 200.0
 FIRST_DAMPING = 1e-2
 SHARE_OF_VALUE = 0.02
 
@@ -145,16 +146,18 @@ def values_of(pieces: Sequence[Piece]) -> np.ndarray:
     return np.concatenate([p.values for p in pieces]) if pieces else np.zeros(0)
 
 
-def jacobian(fit: Fit, first: int = 0) -> np.ndarray:
-    """Derivatives of the prediction by every parameter of the terms from `first` on, (n, free).
+def jacobian(fit: Fit, known: Sequence[Piece] = ()) -> np.ndarray:
+    """Derivatives of the prediction by every parameter but those of pieces known, (n, free).
 
     A parameter that does not move the prediction (a moment between two samples) gives zeros. Fits
     of the same values under other noise share the traces behind it.
     """
     ground, beside = fit.ground, fit.trace.beside
-    columns = np.zeros((fit.free, len(fit.trace.seen)))
-    k = begin = sum(len(piece.values) for piece in fit.pieces[:first])
-    for i, piece in enumerate(fit.pieces[first:], first):
+    columns, k, row = np.zeros((fit.free, len(fit.trace.seen))), 0, 0
+    for i, piece in enumerate(fit.pieces):
+        if any(piece is other for other in known):
+            k += len(piece.values)
+            continue
         for j, p in enumerate(parameters_of(ground, piece.term)):
             step = difference_step(p, piece.values[j])
             if step != 0.0:
@@ -163,9 +166,23 @@ def jacobian(fit: Fit, first: int = 0) -> np.ndarray:
                     values[j] += step
                     pieces = (*fit.pieces[:i], Piece(piece.term, values), *fit.pieces[i + 1 :])
                     beside[k] = respond_beside(fit, pieces, piece.term)
-                moved_by(fit, beside[k], 1.0 / step, columns[k])
-            k += 1
-    return columns[begin:].T
+                moved_by(fit, beside[k], 1.0 / step, columns[row])
+            k, row = k + 1, row + 1
+    return columns[:row].T
+
+
+def slopes_beside(fit: Fit, begun: Fit) -> np.ndarray:
+    """Whitened slopes (count, free) of a fit, those of pieces that `begun` has, too, from there."""
+    new = fit.without(*begun.pieces)
+    found = by_piece(begun.slopes, begun.pieces)
+    found |= by_piece(fit.ground.whiten(jacobian(fit, begun.pieces)), new)
+    return np.hstack([found[id(piece)] for piece in fit.pieces])
+
+
+def by_piece(columns: np.ndarray, pieces: Sequence[Piece]) -> dict[int, np.ndarray]:
+    """Columns (count, free), one for each parameter of some pieces, parted by these."""
+    ends = np.cumsum([len(piece.values) for piece in pieces])
+    return {id(p): part for p, part in zip(pieces, np.hsplit(columns, ends), strict=False)}
 
 
 def moved_by(fit: Fit, moved: Trace, factor: float, out: np.ndarray) -> None:
@@ -194,22 +211,22 @@ def improve(fit: Fit, iterations: int = ITERATIONS, begun: Fit | None = None) ->
 
     As long as a step gains about what its slopes foretold, they are corrected by what it did
     (Broyden, Math. Comp. 19 (1965) 577), in place of differences for every parameter. begun: a fit
-    of the same terms but the last, whose slopes serve for a first step where the last one has made
-    it better already; where it has not, the terms move each other far.
+    with some of the same pieces, whose slopes there serve for a first step; where this one is
+    BEHIND it, terms move each other far. What is begun so is a trial: that corrected slopes promise
+    nothing is not made sure of.
     """
     if not fit.pieces:
         return fit
     box, damping, slopes = fit.box, FIRST_DAMPING, None
-    if begun is not None and fit.cost < begun.cost:
-        last = fit.ground.whiten(jacobian(fit, len(fit.pieces) - 1))
-        slopes = _beside_nuisances(fit, np.hstack([begun.slopes, last]))
+    if begun is not None and fit.cost < begun.cost + BEHIND:
+        slopes = _beside_nuisances(fit, slopes_beside(fit, begun))
     for _ in range(iterations):
         known = slopes is None
         slopes = _beside_nuisances(fit, fit.slopes) if slopes is None else slopes
         normal, gradient = _equations(fit, slopes, fit.innovations)
         better, foretold, damping = _stepped(fit, box, normal, gradient, damping)
         if better is None:
-            if known:
+            if known or begun is not None:
                 return fit
             slopes, damping = None, FIRST_DAMPING
             continue

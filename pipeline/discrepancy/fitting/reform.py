@@ -53,8 +53,8 @@ def reformed(fit: Fit, place: int, term: Term) -> Fit:
         trials.append(calibrated(fit.ground, pieces, trace))
     trials.sort(key=lambda t: t.cost)
     if term.far_apart:
-        trials = sorted((improve(t, BEGUN) for t in trials[:MOST]), key=lambda t: t.cost)
-    return min((settle_moments(improve(t, 8)) for t in trials[:2]), key=lambda t: t.cost)
+        trials = sorted((improve(t, BEGUN, fit) for t in trials[:MOST]), key=lambda t: t.cost)
+    return min((settle_moments(improve(t, 8, fit)) for t in trials[:2]), key=lambda t: t.cost)
 
 
 def _within(box: Box, starts: np.ndarray) -> np.ndarray:
