@@ -124,6 +124,8 @@ def decided(problem: Problem, explanation: Explanation) -> tuple[Choice, Structu
         structure = told_but_for_its_form(explanation, best, structure)
     if not (accurate or structure.found):
         structure = disproved(problem, explanation, best, predicted, structure)
+        if structure.wandering is not None and unrepeated:
+            structure = told_but_for_its_form(explanation, best, structure)
     if structure.found and unrepeated:
         best = foretold_part(explanation.choices, best)
     elif structure.found:

@@ -36,6 +36,10 @@ def test_a_faint_name_beside_two_others_is_their_form(amplitude: float, stays: b
     assert (RIPPLE.name in firm.choices[0].fit.names) == stays
 
 
-def test_a_faint_name_stands_where_it_is_one_of_two():
-    found = rippled(0.05, backlash={"width": 3.0})
-    assert without_faint(found) is found
+@pytest.mark.parametrize(("amplitude", "stays"), [(0.05, False), (0.1, True)])
+def test_a_faint_name_that_is_one_of_two_stands_by_what_it_earns(amplitude: float, stays: bool):
+    found = rippled(amplitude, backlash={"width": 3.0})
+    firm = without_faint(found)
+    assert (firm is found) == stays
+    assert "backlash" in firm.choices[0].fit.names
+    assert (RIPPLE.name in firm.choices[0].fit.names) == stays

@@ -7,7 +7,7 @@ import pytest
 
 from pipeline.config import DiagnosisConfig, ToleranceConfig
 from pipeline.discrepancy.fitting.charge import VOID, absurd_calibration, complexity
-from pipeline.discrepancy.fitting.fit import evaluate, improve, jacobian
+from pipeline.discrepancy.fitting.fit import evaluate, improve, jacobian, slopes_beside
 from pipeline.discrepancy.fitting.ground import ground_of
 from pipeline.discrepancy.fitting.screen import effects_of, screen, started
 from pipeline.discrepancy.model.intervals import covariance_of, estimates, wide_covariance
@@ -51,6 +51,25 @@ def test_a_fit_finds_what_was_hidden():
 def test_every_parameter_has_a_slope():
     slopes = jacobian(fitted(2))
     assert np.all(np.sum(slopes**2, axis=0) > 1.0)
+
+
+def test_slopes_beside_another_fit_are_taken_over_for_the_pieces_of_both():
+    fit = fitted(2)
+    play, ripple = fit.pieces
+    wider = evaluate(fit.ground, (Piece(play.term, play.values + 0.5), ripple))
+    taken = slopes_beside(wider, fit)
+    assert np.array_equal(taken[:, 0], wider.slopes[:, 0])
+    assert np.array_equal(taken[:, 1:], fit.slopes[:, 1:])
+    assert not np.array_equal(taken[:, 1:], wider.slopes[:, 1:])
+
+
+def test_a_trial_begun_beside_a_fit_comes_as_far_as_from_its_own_slopes():
+    fit = fitted(2)
+    play, ripple = fit.pieces
+    wider = evaluate(fit.ground, (Piece(play.term, play.values + 0.5), ripple))
+    assert wider.cost > fit.cost + 100.0
+    assert improve(wider, begun=fit).cost == pytest.approx(fit.cost, abs=0.2)
+    assert improve(wider).cost == pytest.approx(fit.cost, abs=0.2)
 
 
 def test_a_ripple_behind_a_late_answer_is_screened_at_its_period():

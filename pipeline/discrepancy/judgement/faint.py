@@ -7,10 +7,10 @@ import numpy as np
 from pipeline.discrepancy.fitting.fit import evaluate, improve
 from pipeline.discrepancy.judgement.structure import structure_of
 from pipeline.discrepancy.judgement.verdict import mean_square
-from pipeline.discrepancy.search.choose import Choice, names
+from pipeline.discrepancy.search.choose import LEAST_GAIN, Choice, names
 from pipeline.discrepancy.search.explain import Explanation
 
-FAINTEST = 0.25
+FAINTEST, SMALL = 0.25, 0.5
 BESIDE = 2
 ROUNDS = 3
 
@@ -22,7 +22,9 @@ def without_faint(explanation: Explanation) -> Explanation:
     many samples make it sure, and a third name follows it. So a name beside two or more others
     that explains less than a quarter of the noise (RMS) goes, unless what is left without it is
     found to be structured. On 160 pairs of effects of other forms, 5 of 10 false names were as
-    faint, and 2 of 280 true ones.
+    faint, and 2 of 280 true ones. So does a name beside others that earns nothing once these are
+    fitted anew without it, or less than a search asks of a further one and explains less than half
+    of the noise: what is as large as that and stands apart from the others earns far more.
     """
     if explanation.problem.motion.kinetics is not None:
         return explanation
@@ -41,14 +43,17 @@ def without_faint(explanation: Explanation) -> Explanation:
 
 def firm(explanation: Explanation, choice: Choice) -> Choice:
     """The choice without its faintest name, if that is too faint, refitted and weighed."""
-    least, faintest = FAINTEST * choice.fit.ground.noise.deviation, None
-    for name in names(choice) if len(names(choice)) > BESIDE else ():
+    search, ground = explanation.search, choice.fit.ground
+    told = names(choice)
+    own = search.weighed(choice.fit, choice.place).score
+    found: list[tuple[float, Choice]] = []
+    for name in told if len(told) > 1 else ():
         rest = [p for p in choice.fit.pieces if p.term.name != name]
-        trial = replace(choice, fit=improve(evaluate(choice.fit.ground, rest)))
+        trial = replace(choice, fit=improve(evaluate(ground, rest)))
         grew = mean_square(explanation, trial) - mean_square(explanation, choice)
-        size = float(np.sqrt(max(grew, 0.0)))
-        if size < least:
-            least, faintest = size, trial
-    if faintest is None:
-        return choice
-    return explanation.search.weighed(faintest.fit, choice.place)
+        size = float(np.sqrt(max(grew, 0.0))) / ground.noise.deviation
+        fewer = search.weighed(trial.fit, choice.place)
+        asked = LEAST_GAIN if size < SMALL else 0.0
+        if fewer.score - own < asked or (size < FAINTEST and len(told) > BESIDE):
+            found.append((size, fewer))
+    return min(found, key=lambda f: f[0], default=(0.0, choice))[1]
