@@ -186,11 +186,19 @@ def test_slips_are_told_in_place_of_a_zero_that_walks_where_no_cycle_repeats_ano
 
 
 @pytest.mark.parametrize(("share", "told"), [(1e-4, False), (0.1, True)])
-def test_a_rest_that_is_small_is_the_form_of_what_was_named(monkeypatch, share, told):
+@pytest.mark.parametrize("shows", ["structure_of", "disproved"])
+def test_a_rest_that_is_small_is_the_form_of_what_was_named(monkeypatch, shows, share, told):
     found = explain(problem_of(moved(20.0 * WAVES, ("backlash", [6.0]), seed=1)))
     assert found.prior.repeats == 0
-    rest = Structure(True, "elsewhere", share, 1e-9)
-    monkeypatch.setattr(diagnosis_of_one, "structure_of", lambda *_: rest)
+    rest = Structure(True, "elsewhere", share, 1e-9, wandering=NoiseModel(NOISE))
+    monkeypatch.setattr(diagnosis_of_one, shows, lambda *_: rest)
     best, structure, _ = diagnosis_of_one.decided(found.problem, found)
     assert structure.found == told
     assert best.fit.names == ("backlash",)
+
+
+def test_held_out_rows_refute_however_small_a_rest_is(monkeypatch):
+    found = explain(problem_of(moved(20.0 * WAVES, ("backlash", [6.0]), seed=1)))
+    refuted = Structure(True, "on held-out samples", 1e-4, 1e-9)
+    monkeypatch.setattr(diagnosis_of_one, "disproved", lambda *_: refuted)
+    assert diagnosis_of_one.decided(found.problem, found)[1].found

@@ -28,7 +28,7 @@ from pipeline.discrepancy.search.stepped import stepped
 from pipeline.physics.backlash import Backlash
 from pipeline.physics.friction import Friction
 
-WORTH, MOVED, ROUNDS = 150.0, 6.0, 6
+WORTH, ROUNDS = 150.0, 6
 Tried = dict[Key, tuple[float, float]]
 
 
@@ -80,8 +80,7 @@ def _polished(search: Search, choices: list[Choice]) -> list[Choice]:
 def swap(search: Search, best: Choice, found: dict[Key, Choice], tried: Tried) -> None:
     """Find the best without each of its terms, and with each of the promising others instead.
 
-    A swap begins from the rest refitted, and, where that has moved it, from the rest as it stood
-    beside the old term. Where
+    A swap begins from the rest refitted, and from the rest as it stood beside the old term. Where
     the rest was tried before, others are looked for beside it only if it does better now: the best
     has moved since, and what it holds with it. tried: scores of the best and of the rest then.
     """
@@ -102,8 +101,7 @@ def swap(search: Search, best: Choice, found: dict[Key, Choice], tried: Tried) -
         if without.fit.key != key:
             found.setdefault(key, without)
         unmoved = evaluate(without.fit.ground, rest)
-        begun = [unmoved] if unmoved.cost > without.fit.cost + MOVED else []
-        for child in extended(search, without, 5, begun=begun):
+        for child in extended(search, without, 5, begun=[unmoved]):
             if child.fit.key not in found or child.score < found[child.fit.key].score:
                 found[child.fit.key] = child
 
