@@ -52,9 +52,11 @@ def reformed(fit: Fit, place: int, term: Term) -> Fit:
         trace = respond_beside(fit, pieces, old.term, term)
         trials.append(calibrated(fit.ground, pieces, trace))
     trials.sort(key=lambda t: t.cost)
+    begun: Fit | None = fit
     if term.far_apart:
         trials = sorted((improve(t, BEGUN, fit) for t in trials[:MOST]), key=lambda t: t.cost)
-    return min((settle_moments(improve(t, 8, fit)) for t in trials[:2]), key=lambda t: t.cost)
+        begun = None
+    return min((settle_moments(improve(t, 8, begun)) for t in trials[:2]), key=lambda t: t.cost)
 
 
 def _within(box: Box, starts: np.ndarray) -> np.ndarray:
