@@ -12,7 +12,6 @@ from pipeline.physics.mechanism import Mechanism, Piece, Trace
 from pipeline.physics.term import Parameter, Term
 
 ITERATIONS = 12
-TRIAL = 3
 DAMPINGS = 6
 TOLERANCE = 0.1
 TRUSTED = 0.25
@@ -213,8 +212,8 @@ def improve(fit: Fit, iterations: int = ITERATIONS, begun: Fit | None = None) ->
     As long as a step gains about what its slopes foretold, they are corrected by what it did
     (Broyden, Math. Comp. 19 (1965) 577), in place of differences for every parameter. begun: a fit
     with some of the same pieces, whose slopes there serve for a first step; where this one is
-    BEHIND it, terms move each other far. Of a trial, which has no more than TRIAL steps, it is not
-    made sure that a step from corrected slopes, which promise nothing, gains nothing.
+    BEHIND it, terms move each other far. What is begun so is a trial: that corrected slopes promise
+    nothing is not made sure of; but of a force, whose forms differ by less.
     """
     if not fit.pieces:
         return fit
@@ -227,7 +226,7 @@ def improve(fit: Fit, iterations: int = ITERATIONS, begun: Fit | None = None) ->
         normal, gradient = _equations(fit, slopes, fit.innovations)
         better, foretold, damping = _stepped(fit, box, normal, gradient, damping)
         if better is None:
-            if known or iterations <= TRIAL:
+            if known or (begun is not None and fit.ground.problem.derivatives is None):
                 return fit
             slopes, damping = None, FIRST_DAMPING
             continue
