@@ -23,6 +23,7 @@ from pipeline.physics.frame_lag import FrameLag
 from pipeline.physics.friction import Friction
 from pipeline.physics.gravity import Gravity
 from pipeline.physics.inertia import Inertia
+from pipeline.physics.late_damper import LateDamper
 from pipeline.physics.lens_distortion import LensDistortion
 from pipeline.physics.lost_steps import BEHIND, LostSteps
 from pipeline.physics.marker_outliers import MarkerOutliers
@@ -31,6 +32,7 @@ from pipeline.physics.off_centre_ripple import OffCentreRipple
 from pipeline.physics.queued_frames import QueuedFrames
 from pipeline.physics.recurring_slip import RecurringSlip
 from pipeline.physics.response_lag import ResponseLag
+from pipeline.physics.rubbing_wire import RUBBING
 from pipeline.physics.sheath_force import SheathForce
 from pipeline.physics.sheath_stretch import SheathStretch
 from pipeline.physics.single_bump import SingleBump
@@ -64,7 +66,8 @@ PRESSED = tuple(
         "bristle bent loaded",
     )
 )
-SPRUNG, LATE, WORN, QUEUE = ViscousFriction("sprung"), ForceLag(), WornPlay(), QueuedFrames()
+SPRUNG, LATE_DAMPER = ViscousFriction("sprung"), LateDamper()
+LATE, WORN, QUEUE = ForceLag(), WornPlay(), QueuedFrames()
 ODD = (SingleBump(), YieldingWire(), *(Contact(f"{side} {LOSSY}") for side in SIDES))
 RECURRING = (RecurringSlip("every top"), RecurringSlip("every bottom"))
 SKIPS = tuple(
@@ -205,6 +208,7 @@ def term(name: str, form: str = "", other_commands: Iterable[str] = ()) -> Term:
     """The term of a name (and form); TermError names those that exist."""
     found = with_richer((*terms(other_commands), *ODD, *force_terms()))
     found += (*SHEATH_FORCES, *PRESSED, SPRUNG, LATE, WORN, QUEUE, *UNEVEN, *RECURRING, *SKIPS)
+    found += (*RUBBING, LATE_DAMPER)
     same = [t for t in found if t.name == name and form in ("", t.form)]
     if same:
         return next((t for t in same if t.form == form), same[0])

@@ -13,7 +13,7 @@ from pipeline.physics.term import Parameter, Surroundings, Term
 PARTS = 4
 MET = 1.0 - np.exp(-1.0 / PARTS)
 SLOWEST, FASTEST = 1e-3, 1e3
-COASTS_S = 0.05
+COASTS_S, SOON = 0.05, 0.1
 ELASTIC = "elastic"
 FREQUENCIES, DAMPING = 0.05 * 2.0 ** np.arange(7), 0.2
 
@@ -65,6 +65,7 @@ class CoastingPlay(Term):
     before_curve = True
     timed = True
     group = "play"
+    far_apart = True
     form = "coasting"
     grows: ClassVar = {"coasting": (ELASTIC,)}
     says = (
@@ -83,7 +84,7 @@ class CoastingPlay(Term):
             Parameter("width", unit, 0.0, 0.9 * span, 0.05 * span, 0.05 * span),
             Parameter("drag", f"{unit}/s^2", SLOWEST * drag, FASTEST * drag, drag, 0.0,
                       relative=True),
-            Parameter("fading", "1/s", 0.0, 0.3 / max(around.dwell_s, 1e-9), pace, 3.0 * pace),
+            Parameter("fading", "1/s", 0.0, 1.0 / max(around.dwell_s, 1e-9), pace, 3.0 * pace),
         )  # fmt: skip
         if self.form != ELASTIC:
             return own
@@ -118,7 +119,9 @@ class CoastingPlay(Term):
             return np.array(
                 [[w, drags[1], paces[0], s, DAMPING] for w in widths[1:] for s in swings]
             )
-        return np.array([[w, drag, fading] for w in widths for drag in drags for fading in paces])
+        slowed = [(drag, fading) for drag in drags for fading in paces]
+        slowed.append((drags[0], SOON / max(around.dwell_s, 1e-9)))
+        return np.array([[w, *how] for w in widths for how in slowed])
 
     def excited(self, motion: Motion, around: Surroundings) -> bool:
         """Where a drive is sampled often enough to see a load coast, some tenths of a second."""

@@ -1,8 +1,10 @@
 """Uneven play at once: what a loop and a dent beside it may be instead."""
 
+from collections.abc import Sequence
 from itertools import combinations, product
 
-from pipeline.discrepancy.fitting.fit import evaluate, improve
+from pipeline.discrepancy.fitting.fit import Fit, evaluate, improve
+from pipeline.discrepancy.fitting.ground import Ground
 from pipeline.discrepancy.fitting.reform import reformed
 from pipeline.discrepancy.fitting.screen import late
 from pipeline.discrepancy.search.choose import Choice, Search, excludes
@@ -32,10 +34,15 @@ def played(search: Search, choice: Choice) -> Choice:
         rest = choice.fit.without(*gone)
         if any(excludes(PLAY, p.term) for p in rest):
             continue
-        starts = [Piece(PLAY, v) for v in PLAY.candidates(motion, around)]
-        plain = min((evaluate(ground, [*rest, s]) for s in starts), key=lambda f: f.cost)
-        plain = improve(plain, BEGUN)
+        plain = alone_as_play(ground, rest)
         trials = [reformed(plain, len(rest), form) for form in forms]
         best = min(trials, key=lambda t: search.hoped(t, choice.place))
         found = search.better(found, best)
     return found
+
+
+def alone_as_play(ground: Ground, rest: Sequence[Piece]) -> Fit:
+    """Some pieces and play of one width, which goes last, after a few steps."""
+    motion, around = ground.problem.motion, ground.problem.around
+    starts = [Piece(PLAY, v) for v in PLAY.candidates(motion, around)]
+    return improve(min((evaluate(ground, [*rest, s]) for s in starts), key=lambda f: f.cost), BEGUN)

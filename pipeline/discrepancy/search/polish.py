@@ -12,6 +12,7 @@ from pipeline.discrepancy.search.choose import (
     extended,
     grown,
 )
+from pipeline.discrepancy.search.coasted import coasted
 from pipeline.discrepancy.search.elsewhere import Key, freed
 from pipeline.discrepancy.search.exchange import exchanged
 from pipeline.discrepancy.search.moves import (
@@ -24,11 +25,13 @@ from pipeline.discrepancy.search.moves import (
 )
 from pipeline.discrepancy.search.played import played
 from pipeline.discrepancy.search.queued import queued
+from pipeline.discrepancy.search.rubbed import rubbed
 from pipeline.discrepancy.search.stepped import stepped
 from pipeline.physics.backlash import Backlash
 from pipeline.physics.friction import Friction
 
 WORTH, ROUNDS = 150.0, 6
+MOVES = (unpromised, unshifted, stepped, recurved, played, coasted, rubbed, parted, queued)
 Tried = dict[Key, tuple[float, float]]
 
 
@@ -64,8 +67,7 @@ def _polished(search: Search, choices: list[Choice]) -> list[Choice]:
         swap(search, best, found, tried)
         before, best = best, min(found.values(), key=lambda c: c.score)
         if before.score - best.score < SAME:
-            moves = (unpromised, unshifted, stepped, recurved, played, parted, queued)
-            further = [*(move(search, best) for move in moves), *furthered(search, best)]
+            further = [*(move(search, best) for move in MOVES), *furthered(search, best)]
             more = min(further, key=lambda c: c.score)
             if more.score < best.score:
                 found[more.fit.key] = more

@@ -3,7 +3,7 @@
 from pipeline.discrepancy.fitting.reform import reformed
 from pipeline.discrepancy.search.choose import Choice, Search, among, best_of_each, choose
 from pipeline.discrepancy.search.polish import polished
-from pipeline.physics.catalogue import SPRUNG
+from pipeline.physics.catalogue import LATE_DAMPER, SPRUNG
 
 
 def sprung(search: Search, choices: list[Choice]) -> list[Choice]:
@@ -11,17 +11,18 @@ def sprung(search: Search, choices: list[Choice]) -> list[Choice]:
 
     At one speed it is a bristle, so either takes the other's place at the first step of a search
     and no later step leads back: it is looked for without dry friction, and in the place of the
-    best one's damper, and polished with all.
+    best one's damper, and polished with all. A damper that is simulated may stand behind one, too.
     """
     base = next(c for c in choices if not c.fit.pieces)
     problem = base.fit.ground.problem
     if problem.motion.kinetics is None:
         return choices
     without = tuple(t for t in search.terms if t.remembers != "way")
-    found = choose(among(search, problem, (*without, SPRUNG)), base.fit.ground)
+    dampers = tuple(t for t in (SPRUNG, LATE_DAMPER) if t.excited(problem.motion, problem.around))
+    found = choose(among(search, problem, (*without, *dampers)), base.fit.ground)
     best = choices[0]
     for k, piece in enumerate(best.fit.pieces):
         if piece.term.name == SPRUNG.name:
             found = [*found, search.weighed(reformed(best.fit, k, SPRUNG), best.place)]
-    both = polished(among(search, problem, (*search.terms, SPRUNG)), found)
+    both = polished(among(search, problem, (*search.terms, *dampers)), found)
     return best_of_each([*choices, *both])

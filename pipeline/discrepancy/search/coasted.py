@@ -1,0 +1,42 @@
+"""A load that runs on in its play, at once: what play and a lag beside it may be instead."""
+
+import numpy as np
+
+from pipeline.discrepancy.fitting.fit import ITERATIONS, evaluate, improve
+from pipeline.discrepancy.fitting.screen import late
+from pipeline.discrepancy.search.choose import Choice, Search, excludes
+from pipeline.discrepancy.search.played import PLAY, alone_as_play
+from pipeline.physics.coasting_play import CoastingPlay
+from pipeline.physics.mechanism import Piece
+
+COASTING = CoastingPlay()
+WIDER = (1.0, 1.2)
+BEGUN = 3
+
+
+def coasted(search: Search, choice: Choice) -> Choice:
+    """The choice with play in which the load runs on in place of play, and of a lag, if better.
+
+    A load that runs on makes up for the more of its play the faster it goes: where a motion slows
+    down, play that grows comes near it, and where it swings, play and a lag. From neither does a
+    small step lead to it.
+    """
+    found, ground = choice, choice.fit.ground
+    motion, around = ground.problem.motion, ground.problem.around
+    known = any(t.name == PLAY.name for t in search.terms)
+    if not (known and COASTING.excited(motion, around)):
+        return choice
+    plays = [p for p in choice.fit.pieces if p.term.group == PLAY.group]
+    for play in [p for p in plays if p.term.kin != COASTING.kin]:
+        behind = [(p,) for p in late(choice.fit) if p is not play]
+        for gone in ((), *behind):
+            rest = choice.fit.without(play, *gone)
+            if any(excludes(COASTING, p.term) for p in rest):
+                continue
+            (width,) = alone_as_play(ground, rest).pieces[-1].values
+            paces = np.unique(COASTING.candidates(motion, around)[:, 1:], axis=0)
+            starts = [np.array([w * width, *how]) for w in WIDER for how in paces]
+            fits = [evaluate(ground, [*rest, Piece(COASTING, start)]) for start in starts]
+            best = min((improve(f, BEGUN) for f in fits), key=lambda f: f.cost)
+            found = search.better(found, improve(best, 2 * ITERATIONS))
+    return found

@@ -1,0 +1,44 @@
+"""Lag of a simulated damper: it stands behind a spring, which the simulation takes for rigid."""
+
+import numpy as np
+
+from pipeline.physics.force_term import ForceTerm, per, resistance
+from pipeline.physics.motion import Kinetics, Motion
+from pipeline.physics.term import Parameter, Surroundings
+from pipeline.physics.viscous_friction import SHARES, relaxation_of, sprung_speed
+
+
+class LateDamper(ForceTerm):
+    """F = damping (w - v), w + relaxation w' = v.
+
+    What the simulation has as damping * v comes late: a spring of damping / relaxation stands in
+    series with it. Beside the rigid damper of the simulation, whose gain is calibration, no other
+    friction by the speed says that. Source: Maxwell, Phil. Trans. 157 (1867) 49.
+    """
+
+    name = "response_lag"
+    form = "damper"
+    place = 125.0
+    says = (
+        "The damper that is simulated gives way behind a spring: {damping} of it come late, with a "
+        "time constant of {relaxation}."
+    )
+
+    def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
+        most = 4.0 * around.angle_span / max(around.top_speed, 1e-12)
+        return (resistance("damping", per(around, 1), most, around), relaxation_of(around))
+
+    def force(
+        self, motion: Motion, kinetics: Kinetics, values: np.ndarray, state: np.ndarray | None
+    ) -> tuple[np.ndarray, np.ndarray | None]:
+        late, after = sprung_speed(motion.drive, motion.time_s, float(values[1]), state)
+        return values[0] * (late - kinetics.velocity), after
+
+    def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
+        found = np.repeat(super().candidates(motion, around), len(SHARES), axis=0)
+        found[:, 1] = np.array(SHARES) * around.period_s
+        return found
+
+    def excited(self, motion: Motion, around: Surroundings) -> bool:
+        """Where the simulation resists a motion."""
+        return around.resisting and super().excited(motion, around)
