@@ -19,7 +19,7 @@ from pipeline.discrepancy.model.result import root_mean
 from pipeline.discrepancy.noise.noise import NoiseModel
 from pipeline.discrepancy.noise.wander import comes_back
 from pipeline.discrepancy.problem.problem import Problem
-from pipeline.discrepancy.search.choose import Choice
+from pipeline.discrepancy.search.choose import FAR_WALK, Choice
 from pipeline.discrepancy.search.counted import set_aside, settled_rows
 from pipeline.discrepancy.search.explain import Explanation
 from pipeline.discrepancy.search.refuted import refuted as unrepeated
@@ -30,7 +30,7 @@ HELDOUT = "on held-out samples, which the fit to the others does not predict"
 SLOWLY = "slow changes that come back, as no zero that wanders does"
 BEYOND = "at held-out commands beyond the range of those fitted"
 UNWITNESSED = "slow changes that may be a zero that walks, but no cycle repeats to show it"
-
+WALKS = "a zero that walks by many times the noise, which no commands foretell"
 UNLIKE_REPEATS = "slow changes that are no zero that walks, as cycles that repeat show"
 
 
@@ -108,9 +108,13 @@ def strained(
     """Where held-out rows (as in `disproved`) are off by more than usual, though none refuted.
 
     Names stay then: they may hold, though not all is said; what holds between the commands that
-    were fitted holds there all the same if it errs beyond them.
+    were fitted holds there all the same if it errs beyond them. A zero that walks by many times the
+    noise is not all said either.
     """
-    least = usual(off[problem.train & counted], noise)
+    left = off[problem.train & counted]
+    if noise.walk > 0.0 and root_mean(left**2) ** 2 > FAR_WALK * noise.deviation**2:
+        return WALKS
+    least = usual(left, noise)
     if root_mean(off[within(problem, counted)] ** 2) > least:
         return HELDOUT
     far = problem.heldout & counted & beyond(problem)

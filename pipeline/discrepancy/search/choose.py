@@ -33,6 +33,7 @@ SAME, CAUGHT_UP = 1.0, 0.3
 EARLIER = 6
 LAGGARD, CLEAR, HOPELESS = 0.3, 60.0, 0.1
 FAINT, BEHIND = 15.0, 0.5
+NEAR_WALK, FAR_WALK = 2.0, 25.0
 
 
 T = TypeVar("T")
@@ -144,14 +145,16 @@ class Search:
         return Choice(fit, place, self.scored(fit, place) + hidden)
 
     def hides_drift(self, fit: Fit, place: Place) -> bool:
-        """Whether noise that walks takes what the catalogue calls a drift, where nothing repeats.
+        """Whether noise that walks takes what the catalogue calls a drift.
 
-        A zero that wanders by more than the noise is one.
+        A zero that wanders by more than the noise is one, by much more where repeats say what noise
+        is.
         """
-        if place[2] == 0 or self.family.prior.repeats > 0 or fit.slow:
+        if place[2] == 0 or fit.slow:
             return False
+        most = FAR_WALK if self.family.prior.repeats > 0 else NEAR_WALK
         residual = (fit.ground.problem.measured - fit.predicted)[fit.ground.used]
-        return bool(np.var(residual) > 2.0 * fit.ground.noise.deviation**2)
+        return bool(np.var(residual) > most * fit.ground.noise.deviation**2)
 
 
 def among(search: Search, problem: Problem, terms: tuple[Term, ...]) -> Search:
