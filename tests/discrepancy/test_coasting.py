@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pandas as pd
+from scipy.ndimage import gaussian_filter1d
 
 from pipeline.physics.catalogue import term
 from pipeline.physics.held import slewed
@@ -68,3 +69,23 @@ def test_play_with_a_load_that_swings_where_teeth_meet_is_backlash_and_nothing_e
     for parameter, value in (("width", WIDTH), ("natural_frequency", frequency)):
         told = value_of(found, "backlash", parameter)
         assert abs(told.value - value) < 0.1 * value
+
+
+def test_play_with_a_load_that_coasts_does_not_grow_where_a_motion_gets_slower():
+    """A motion that holds at its ends and swings less far later on, and so runs slower."""
+    width, fading = 8.0, 25.0
+    time_s = STEP_S * np.arange(2500)
+    smaller = 1.0 - 0.4 * np.clip((time_s - 12.0) / 1.2, 0.0, 1.0)
+    swing = np.clip(3.6 / np.pi * np.arcsin(np.sin(0.5 * np.pi * time_s)), -1.0, 1.0)
+    drive = 45.0 * smaller * gaussian_filter1d(swing, 3.0)
+    motion = Motion(drive, time_s, (0.25 * time_s).astype(int))
+    values = np.array([width, 0.5, fading])
+    load = term("backlash", "coasting").respond(drive, motion, values, None)[0]
+    noise = 0.4 * np.random.default_rng(5).standard_normal(len(drive))
+    columns = [time_s, motion.cycle, np.arange(len(drive)), drive, 0.0 * drive, load + noise, drive]
+    named = ["time_s", "cycle", "step", *(c.name for c in CHANNELS)]
+    samples = pd.DataFrame(dict(zip(named, columns, strict=True)))
+    found = diagnosed(Recording(samples, CHANNELS, "simulated"))
+    assert names(found) == {"backlash"}
+    assert abs(value_of(found, "backlash", "width").value - width) < 0.3
+    assert abs(value_of(found, "backlash", "fading").value - fading) < 3.0

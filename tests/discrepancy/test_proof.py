@@ -12,6 +12,7 @@ from pipeline.discrepancy.judgement.proof import (
     HELDOUT,
     UNLIKE_REPEATS,
     UNWITNESSED,
+    WALKS,
     refuted,
     strained,
     taken_for_a_walk,
@@ -79,6 +80,13 @@ def test_what_lies_beyond_the_commands_fitted_refutes_nothing_and_is_said():
     assert strained(problem, off, every, NOISE) == BEYOND
     assert strained(problem, off, ~far, NOISE) is None
     assert strained(posed(), off, every, NOISE) != BEYOND
+
+
+@pytest.mark.parametrize(("times", "said"), [(4.5, None), (5.5, WALKS)])
+def test_a_zero_that_walks_by_many_times_the_noise_is_not_all_said(times, said):
+    problem, every = posed(), np.ones(ROWS, dtype=bool)
+    assert strained(problem, left(problem, times, times), every, WALK) == said
+    assert strained(problem, left(problem, times, times), every, NOISE) is None
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pipeline.physics.catalogue import LATE, PRESSED, SPRUNG, force_terms, richer, term
+from pipeline.physics.catalogue import LATE, LATE_DAMPER, PRESSED, SPRUNG, force_terms, richer, term
 from pipeline.physics.differentiation import differentiate
 from pipeline.physics.mechanism import Mechanism, Piece
 from pipeline.physics.motion import Kinetics, Motion, turned_between
@@ -16,7 +16,7 @@ AROUND = Surroundings(
     end_s=4.0, cycles=4, drive_unit="m", angle_unit="N", top_speed=0.6, top_acceleration=4.0,
 )  # fmt: skip
 OWN = [t for first in force_terms() for t in (first, *richer(first)) if t.site == "body" and t.adds]
-OWN += (SPRUNG, LATE, *PRESSED)
+OWN += (SPRUNG, LATE_DAMPER, LATE, *PRESSED)
 
 
 def swing(amplitude=0.1, seconds=4.0):
@@ -80,6 +80,15 @@ def test_a_damper_behind_a_spring_follows_a_sine_as_maxwell_says(relaxation_s):
     lag = np.arctan(w * relaxation_s)
     expected = 0.3 * w * np.cos(lag) * np.cos(w * m.time_s - lag)
     np.testing.assert_allclose(force[2000:], expected[2000:], atol=5e-3 * 0.3 * w)
+
+
+def test_a_late_damper_lacks_what_the_same_one_behind_a_spring_does_not_resist():
+    m = swing()
+    late = answer("response_lag", "damper", [3.0, 0.2], m)
+    sprung = answer("viscous_friction", "sprung", [3.0, 0.2], m)
+    np.testing.assert_allclose(late, sprung - 3.0 * m.kinetics.velocity, atol=1e-9)
+    assert not LATE_DAMPER.excited(m, AROUND)
+    assert LATE_DAMPER.excited(m, replace(AROUND, resisting=True))
 
 
 def test_dry_friction_slides_at_its_force_and_turns_round_within_its_reach():

@@ -9,6 +9,7 @@ from pipeline.physics.catalogue import (
     MEANINGS,
     QUEUE,
     RECURRING,
+    RUBBING,
     SKIPS,
     WORN,
     force_terms,
@@ -23,7 +24,7 @@ from pipeline.physics.term import LAST, Surroundings, Term, TermError, values_of
 
 OTHER = "yaw_command_deg"
 CURVE = CubicCurve(0.7, 1e-5)
-EVERY = [*with_richer(terms([OTHER])), WORN, QUEUE, *RECURRING, *SKIPS]
+EVERY = [*with_richer(terms([OTHER])), WORN, QUEUE, *RECURRING, *SKIPS, *RUBBING]
 
 
 def triangle(cycles: int = 3, amplitude: float = 60.0, steps: int = 200) -> Motion:
