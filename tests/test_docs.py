@@ -9,6 +9,7 @@ from pipeline.physics.catalogue import (
     MEANINGS,
     QUEUE,
     RECURRING,
+    RUBBING,
     SKIPS,
     WORN,
     force_terms,
@@ -20,6 +21,7 @@ from pipeline.physics.term import Term
 ROOT = Path(__file__).resolve().parents[1]
 PAGES = [*ROOT.glob("*.md"), *ROOT.glob("docs/**/*.md"), *ROOT.glob("data/*.md")]
 CATALOGUE = (ROOT / "docs" / "catalogue.md").read_text(encoding="utf-8")
+OTHERS = (WORN, QUEUE, *RECURRING, *SKIPS, *RUBBING)
 LINK = re.compile(r"\]\(([^)\s]+)\)")
 
 
@@ -55,7 +57,11 @@ def test_the_catalogues_page_has_every_name_with_its_site_and_meaning(one: Term)
 
 @pytest.mark.parametrize(
     "one",
-    [t for t in with_richer((*terms(["CHANNEL"]), WORN, QUEUE, *RECURRING, *SKIPS)) if t.form],
+    [
+        t
+        for t in with_richer((*terms(["CHANNEL"]), WORN, QUEUE, *RECURRING, *SKIPS, *RUBBING))
+        if t.form
+    ],
     ids=lambda t: f"{t.name}/{t.form}",
 )
 def test_the_catalogues_page_has_every_form_of_what_moves(one: Term) -> None:

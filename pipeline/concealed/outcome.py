@@ -66,7 +66,8 @@ class Answer:
     """What was handed in for a case: its diagnosis, perhaps predictions and a second diagnosis.
 
     `predictions` has the rows of the recording with its later cycles; `followed_up` is the
-    diagnosis after the proposed block was recorded; `seconds` is the first diagnosis's time.
+    diagnosis after the proposed block was recorded; `seconds` are those of one core that the first
+    diagnosis took.
     """
 
     diagnosis: Entry

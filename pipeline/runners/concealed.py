@@ -90,12 +90,12 @@ def _mapped(jobs: Sequence[Job]) -> Iterator[float]:
 
 
 def _answered(job: Job) -> float:
-    """Diagnose one recording and predict its later cycles; how long the diagnosis took [s]."""
+    """Diagnose one recording, predict its later cycles; the seconds of a core for the diagnosis."""
     config, folder, results = job
     recording = load_recording(folder)
-    began_s = time.perf_counter()
+    began_s = time.process_time()
     answered = answer(config, [recording])
-    taken_s = time.perf_counter() - began_s
+    taken_s = time.process_time() - began_s
     write_answer(answered, results)
     later = folder.with_name(f"{folder.name}.later")
     if later.is_dir():

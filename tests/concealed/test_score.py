@@ -243,7 +243,7 @@ def test_one_who_sees_nothing_raises_no_alarm_and_finds_nothing(folders, tmp_pat
     for name in ("one effect right", "three effects right"):
         assert table.loc[name, "rich"] == 0.0
     assert table.loc["outside the catalogue: said so, at most one name", "plain"] == 0.0
-    assert table.loc["seconds a case, 95th percentile", "plain met"] == ""
+    assert table.loc["seconds a case on one core, 95th percentile", "plain met"] == ""
 
 
 def test_a_missing_diagnosis_is_refused(folders, tmp_path):

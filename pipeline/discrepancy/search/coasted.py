@@ -18,25 +18,24 @@ def coasted(search: Search, choice: Choice) -> Choice:
     """The choice with play in which the load runs on in place of play, and of a lag, if better.
 
     A load that runs on makes up for the more of its play the faster it goes: where a motion slows
-    down, play that grows comes near it, and where it swings, play and a lag. From neither does a
-    small step lead to it.
+    down, play that grows comes near it, and where it swings, play and a lag, or friction. From none
+    of these does a small step lead to it.
     """
-    found, ground = choice, choice.fit.ground
+    found, fit, ground = choice, choice.fit, choice.fit.ground
     motion, around = ground.problem.motion, ground.problem.around
     known = any(t.name == PLAY.name for t in search.terms)
     if not (known and COASTING.excited(motion, around)):
         return choice
-    plays = [p for p in choice.fit.pieces if p.term.group == PLAY.group]
-    for play in [p for p in plays if p.term.kin != COASTING.kin]:
-        behind = [(p,) for p in late(choice.fit) if p is not play]
-        for gone in ((), *behind):
-            rest = choice.fit.without(play, *gone)
-            if any(excludes(COASTING, p.term) for p in rest):
-                continue
-            (width,) = alone_as_play(ground, rest).pieces[-1].values
-            paces = np.unique(COASTING.candidates(motion, around)[:, 1:], axis=0)
-            starts = [np.array([w * width, *how]) for w in WIDER for how in paces]
-            fits = [evaluate(ground, [*rest, Piece(COASTING, start)]) for start in starts]
-            best = min((improve(f, BEGUN) for f in fits), key=lambda f: f.cost)
-            found = search.better(found, improve(best, 2 * ITERATIONS))
+    paces = np.unique(COASTING.candidates(motion, around)[:, 1:], axis=0)
+    plays = [(p,) for p in fit.pieces if p.term.group == PLAY.group]
+    beside = [(*play, other) for play in plays for other in late(fit) if other is not play[0]]
+    for gone in (*(p for p in plays if p[0].term.kin != COASTING.kin), *beside):
+        rest = fit.without(*gone)
+        if any(excludes(COASTING, p.term) for p in rest):
+            continue
+        (width,) = alone_as_play(ground, rest).pieces[-1].values
+        starts = [np.array([w * width, *pace]) for w in WIDER for pace in paces]
+        fits = [evaluate(ground, [*rest, Piece(COASTING, start)]) for start in starts]
+        best = min((improve(f, BEGUN) for f in fits), key=lambda f: f.cost)
+        found = search.better(found, improve(best, 2 * ITERATIONS))
     return found

@@ -1,9 +1,17 @@
 """A damper behind a spring in place of dry friction: one remembers time, the other travel."""
 
 from pipeline.discrepancy.fitting.reform import reformed
-from pipeline.discrepancy.search.choose import Choice, Search, among, best_of_each, choose
+from pipeline.discrepancy.search.choose import (
+    Choice,
+    Search,
+    among,
+    best_of_each,
+    choose,
+    extended,
+)
 from pipeline.discrepancy.search.polish import polished
 from pipeline.physics.catalogue import LATE_DAMPER, SPRUNG
+from pipeline.physics.coulomb_friction import CoulombFriction
 
 
 def sprung(search: Search, choices: list[Choice]) -> list[Choice]:
@@ -11,7 +19,8 @@ def sprung(search: Search, choices: list[Choice]) -> list[Choice]:
 
     At one speed it is a bristle, so either takes the other's place at the first step of a search
     and no later step leads back: it is looked for without dry friction, and in the place of the
-    best one's damper, and polished with all. A damper that is simulated may stand behind one, too.
+    best one's damper, and polished with all. A damper that is simulated may stand behind one, too:
+    that is looked for beside dry friction as well.
     """
     base = next(c for c in choices if not c.fit.pieces)
     problem = base.fit.ground.problem
@@ -24,5 +33,9 @@ def sprung(search: Search, choices: list[Choice]) -> list[Choice]:
     for k, piece in enumerate(best.fit.pieces):
         if piece.term.name == SPRUNG.name:
             found = [*found, search.weighed(reformed(best.fit, k, SPRUNG), best.place)]
+    if LATE_DAMPER in dampers:
+        late = among(search, problem, (LATE_DAMPER,))
+        for parent in extended(among(search, problem, (CoulombFriction(),)), base):
+            found += extended(late, parent)
     both = polished(among(search, problem, (*search.terms, *dampers)), found)
     return best_of_each([*choices, *both])
