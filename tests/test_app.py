@@ -26,7 +26,7 @@ SMALL = ["acquisition.cycles=4", "acquisition.steps_per_cycle=40", "selection.k_
          "compensation.targets=12", "vision.workers=1", "camera.width_px=504",
          "camera.height_px=378"]  # fmt: skip
 BASIC = "hydra/launcher=basic"
-LATER = "stages=[selection,training,compensation,evaluation,review]"
+LATER = "stages=[selection,training,compensation,evaluation]"
 
 
 def loopgap(monkeypatch: pytest.MonkeyPatch, *arguments: str) -> int:

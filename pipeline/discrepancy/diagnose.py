@@ -4,23 +4,16 @@ from dataclasses import replace
 
 import numpy as np
 
-from pipeline.discrepancy.fitting.charge import absurd_calibration
 from pipeline.discrepancy.judgement.beyond import beyond_its_name
 from pipeline.discrepancy.judgement.cycle_zero import wanders_by_cycle
+from pipeline.discrepancy.judgement.decision import decided
 from pipeline.discrepancy.judgement.faint import without_faint
 from pipeline.discrepancy.judgement.force_rest import left_by, mean_square
 from pipeline.discrepancy.judgement.named import named_physics, verdict_of
 from pipeline.discrepancy.judgement.notes import accuracy_note, notes, smooth_error
-from pipeline.discrepancy.judgement.proof import counted_errors, disproved, strained
 from pipeline.discrepancy.judgement.refit import likeliest, refitted
 from pipeline.discrepancy.judgement.rivals import hypotheses_of, mechanism_of
-from pipeline.discrepancy.judgement.structure import Structure, share_left, structure_of
-from pipeline.discrepancy.judgement.verdict import (
-    fewer,
-    follows,
-    sure_of_slow,
-    told_but_for_its_form,
-)
+from pipeline.discrepancy.judgement.structure import Structure
 from pipeline.discrepancy.model.intervals import covariance_of, wide_covariance
 from pipeline.discrepancy.model.model import CorrectedModel, Hypothesis
 from pipeline.discrepancy.model.result import (
@@ -36,18 +29,11 @@ from pipeline.discrepancy.noise.noise import NoiseModel
 from pipeline.discrepancy.problem.force_problem import averaged
 from pipeline.discrepancy.problem.problem import Problem
 from pipeline.discrepancy.problem.thinning import thinned
-from pipeline.discrepancy.search.accuracy import (
-    calibrated_alone,
-    evenly_calibrated,
-    within_accuracy,
-)
 from pipeline.discrepancy.search.choose import Choice
 from pipeline.discrepancy.search.counted import set_aside, turning
-from pipeline.discrepancy.search.disguise import undisguised
 from pipeline.discrepancy.search.excited import not_excited
 from pipeline.discrepancy.search.explain import Explanation, explain
 from pipeline.discrepancy.search.force_late import explained_in_time
-from pipeline.discrepancy.search.foretold import foretold_part, testable
 from pipeline.physics.drift import Drift
 from pipeline.recording import Recording
 
@@ -103,47 +89,6 @@ def diagnose_measurement(
         ),
     )
     return diagnosis, evidence, model
-
-
-def decided(problem: Problem, explanation: Explanation) -> tuple[Choice, Structure, bool]:
-    """What stays of the best choice, the structured rest, and whether the accuracy decided."""
-    best = sure_of_slow(explanation, undisguised(explanation.choices))
-    structure = structure_of(explanation, best)
-    base = next(c for c in explanation.choices if not c.fit.pieces)
-    accurate, absurd = within_accuracy(base, explanation.used), absurd_calibration(best.fit)
-    if accurate:
-        best = calibrated_alone(base, explanation.used)
-        structure = Structure(False, None, structure.share, structure.p_value)
-    elif not follows(explanation, best):
-        structure, best = replace(structure, found=True, where="everywhere"), base
-    elif absurd is not None:
-        structure = replace(structure, found=True, where=absurd)
-    unrepeated = explanation.prior.repeats == 0 and problem.derivatives is None and testable(best)
-    predicted = mechanism_of(problem, best).respond(problem.motion)[0]
-    if structure.found and unrepeated and absurd is None:
-        structure = told_but_for_its_form(explanation, best, structure)
-    if not (accurate or structure.found):
-        structure = disproved(problem, explanation, best, predicted, structure)
-        if structure.wandering is not None and unrepeated:
-            structure = told_but_for_its_form(explanation, best, structure)
-    if structure.found and unrepeated:
-        best = foretold_part(explanation.choices, best)
-    elif structure.found:
-        best = fewer(explanation, best)
-        if absurd is None:
-            structure = told_but_for_its_form(explanation, best, structure)
-        predicted = mechanism_of(problem, best).respond(problem.motion)[0]
-    if not (accurate or structure.found):
-        off, counted = counted_errors(problem, explanation, best, predicted)
-        where = strained(problem, off, counted, best.fit.ground.noise)
-        if where is not None:
-            structure = replace(structure, found=True, where=where)
-    if structure.found:
-        share = max(structure.share, share_left(explanation, best))
-        structure = replace(structure, share=share)
-        if not best.fit.pieces:
-            best = evenly_calibrated(best, explanation.used)
-    return best, structure, accurate
 
 
 def reported_noise(

@@ -7,8 +7,8 @@ import pandas as pd
 import pytest
 
 from pipeline.config import DiagnosisConfig
-from pipeline.discrepancy import diagnose as diagnosis_of_one
 from pipeline.discrepancy.fitting.fit import evaluate
+from pipeline.discrepancy.judgement import decision
 from pipeline.discrepancy.judgement.structure import Structure
 from pipeline.discrepancy.noise.family import noise_family
 from pipeline.discrepancy.noise.learning import NoisePrior
@@ -191,8 +191,8 @@ def test_a_rest_that_is_small_is_the_form_of_what_was_named(monkeypatch, shows, 
     found = explain(problem_of(moved(20.0 * WAVES, ("backlash", [6.0]), seed=1)))
     assert found.prior.repeats == 0
     rest = Structure(True, "elsewhere", share, 1e-9, wandering=NoiseModel(NOISE))
-    monkeypatch.setattr(diagnosis_of_one, shows, lambda *_: rest)
-    best, structure, _ = diagnosis_of_one.decided(found.problem, found)
+    monkeypatch.setattr(decision, shows, lambda *_: rest)
+    best, structure, _ = decision.decided(found.problem, found)
     assert structure.found == told
     assert best.fit.names == ("backlash",)
 
@@ -200,5 +200,5 @@ def test_a_rest_that_is_small_is_the_form_of_what_was_named(monkeypatch, shows, 
 def test_held_out_rows_refute_however_small_a_rest_is(monkeypatch):
     found = explain(problem_of(moved(20.0 * WAVES, ("backlash", [6.0]), seed=1)))
     refuted = Structure(True, "on held-out samples", 1e-4, 1e-9)
-    monkeypatch.setattr(diagnosis_of_one, "disproved", lambda *_: refuted)
-    assert diagnosis_of_one.decided(found.problem, found)[1].found
+    monkeypatch.setattr(decision, "disproved", lambda *_: refuted)
+    assert decision.decided(found.problem, found)[1].found
