@@ -23,7 +23,7 @@ class RubbingWire(Friction):
     "bristle ahead", of one bristle, as `Friction` has them at the joint. Here it rubs in its sheath
     between the motor and what hangs slack: no load of the joint changes it, and it holds none.
     Source: an elastic wire behind a dry contact, Iwan (1966), Dahl (1976); tendons in sheaths,
-    Palli et al., Mechatronics 22 (2012) 148.
+    Palli, Borghesan and Melchiorri, IEEE Trans. Robot. 28 (2012) 277.
     """
 
     place = 45.0
