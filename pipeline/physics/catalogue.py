@@ -22,6 +22,7 @@ from pipeline.physics.force_waves import ForceGravity, ForceRipple
 from pipeline.physics.frame_lag import FrameLag
 from pipeline.physics.friction import Friction
 from pipeline.physics.gravity import Gravity
+from pipeline.physics.held import STEP_AND_WAIT_S
 from pipeline.physics.inertia import Inertia
 from pipeline.physics.late_damper import LateDamper
 from pipeline.physics.lens_distortion import LensDistortion
@@ -31,7 +32,7 @@ from pipeline.physics.motion import Motion
 from pipeline.physics.off_centre_ripple import OffCentreRipple
 from pipeline.physics.queued_frames import QueuedFrames
 from pipeline.physics.recurring_slip import RecurringSlip
-from pipeline.physics.response_lag import ResponseLag
+from pipeline.physics.response_lag import ResponseLag, swinging_as
 from pipeline.physics.rubbing_wire import RUBBING
 from pipeline.physics.sheath_force import SheathForce
 from pipeline.physics.sheath_stretch import SheathStretch
@@ -194,13 +195,17 @@ def instead(term: Term, values: np.ndarray, motion: Motion, around: Surroundings
     """What may stand in a term's place (`Term.instead`); for play a wire that rubs, too.
 
     As wide at the joint, it gives way over some of that or all: where another term stays behind as
-    well, it has grown beside sharp corners to what no linear step leads away from.
+    well, it has grown beside sharp corners to what no linear step leads away from. Nor does a step
+    lead from what is late to the swing that is as late, of a motion that is sampled finely.
     """
     told = list(term.instead(values, motion, around))
     named = dict(zip((p.name for p in term.parameters(around)), values, strict=True))
     if term.name == Backlash.name and "width" in named:
         width = named["width"] * (around.angle_span / around.drive_span if term.before_curve else 1)
         told += [[(Friction(), np.array([width, part * width, 0.7]))] for part in RUBS]
+    lag_s = named.get("lag" if term.form == "time" else "time_constant", 0.0)
+    if term.group == "lag" and lag_s > 0.0 and around.dwell_s < STEP_AND_WAIT_S:
+        told += swinging_as(lag_s)
     return told
 
 

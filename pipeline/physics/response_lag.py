@@ -12,7 +12,7 @@ from pipeline.physics.frame_lag import FrameLag
 from pipeline.physics.held import STEP_AND_WAIT_S, dwells, slewed, trailed
 from pipeline.physics.motion import Motion
 from pipeline.physics.tabled import inlined
-from pipeline.physics.term import HELD, Parameter, Surroundings, Term
+from pipeline.physics.term import HELD, Parameter, Surroundings, Term, Told
 from pipeline.physics.valved_lag import ValvedLag
 
 NEARLY_CRITICAL = 1e-6
@@ -74,6 +74,15 @@ def swung(signal, dwell, frequency, damping, moving, before, state):  # type: ig
         before = signal[i]
         out[i] = x
     return out, np.array([x, v, before])
+
+
+def swinging_as(lag_s: float) -> list[Told]:
+    """Lags of second order by which a slow motion is as late as by some other lag [s]."""
+    return [
+        [(ResponseLag("second"), np.array([2.0 * damping / lag_s, damping, moving]))]
+        for damping in (0.4, 0.6, 0.9)
+        for moving in (0.0, 1.0)
+    ]
 
 
 def usual_lag_s(around: Surroundings) -> float:
