@@ -2,14 +2,16 @@
 
 import numpy as np
 
-from pipeline.physics.force_term import ForceTerm, per, resistance
+from pipeline.physics.force_term import ForceTerm
 from pipeline.physics.motion import Kinetics, Motion
 from pipeline.physics.term import Parameter, Surroundings
-from pipeline.physics.viscous_friction import SHARES, relaxation_of, sprung_speed
+from pipeline.physics.viscous_friction import ViscousFriction
+
+SPRUNG = ViscousFriction("sprung")
 
 
 class LateDamper(ForceTerm):
-    """F = damping (w - v), w + relaxation w' = v.
+    """F = damping (w - v), w + relaxation w' = v: a damper behind a spring less the rigid one.
 
     What the simulation has as damping * v comes late: a spring of damping / relaxation stands in
     series with it. Beside the rigid damper of the simulation, whose gain is calibration, no other
@@ -25,19 +27,16 @@ class LateDamper(ForceTerm):
     )
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
-        most = 4.0 * around.angle_span / max(around.top_speed, 1e-12)
-        return (resistance("damping", per(around, 1), most, around), relaxation_of(around))
+        return SPRUNG.parameters(around)
 
     def force(
         self, motion: Motion, kinetics: Kinetics, values: np.ndarray, state: np.ndarray | None
     ) -> tuple[np.ndarray, np.ndarray | None]:
-        late, after = sprung_speed(motion.drive, motion.time_s, float(values[1]), state)
-        return values[0] * (late - kinetics.velocity), after
+        late, after = SPRUNG.force(motion, kinetics, values, state)
+        return late - values[0] * kinetics.velocity, after
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
-        found = np.repeat(super().candidates(motion, around), len(SHARES), axis=0)
-        found[:, 1] = np.array(SHARES) * around.period_s
-        return found
+        return SPRUNG.candidates(motion, around)
 
     def excited(self, motion: Motion, around: Surroundings) -> bool:
         """Where the simulation resists a motion."""

@@ -78,7 +78,7 @@ class ViscousFriction(ForceTerm):
         self, motion: Motion, kinetics: Kinetics, values: np.ndarray, state: np.ndarray | None
     ) -> tuple[np.ndarray, np.ndarray | None]:
         if self.form == "sprung":
-            pulled, after = sprung_speed(motion.drive, motion.time_s, float(values[1]), state)
+            pulled, after = _sprung(motion.drive, motion.time_s, float(values[1]), state)
             return values[0] * pulled, after
         v, square = kinetics.velocity, self.square(values)
         return weighted((values[0] + square * np.abs(v)) * v, self.asymmetry(values)), state
@@ -113,7 +113,7 @@ class ViscousFriction(ForceTerm):
         return f"{told} {by_square if values[0] == 0.0 else f'{ways}, and by {by_square}'}."
 
 
-def sprung_speed(
+def _sprung(
     position: np.ndarray, time_s: np.ndarray, relaxation_s: float, state: np.ndarray | None
 ) -> tuple[np.ndarray, np.ndarray]:
     """The speed that a damper behind a spring resists, (n,), and the state to carry.
