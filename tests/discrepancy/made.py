@@ -91,6 +91,14 @@ def recorded(
     return Recording(samples, CHANNELS, "simulated")
 
 
+def followed(time_s: np.ndarray, drive: np.ndarray, seen: np.ndarray, pace_hz: float) -> Recording:
+    """A motion that the simulation has go where it is told, and what was seen of it, (n,) each."""
+    columns = [time_s, (pace_hz * time_s).astype(int), np.arange(len(drive)), drive, 0.0 * drive]
+    named = ["time_s", "cycle", "step", *(c.name for c in CHANNELS)]
+    samples = pd.DataFrame(dict(zip(named, [*columns, seen, drive], strict=True)))
+    return Recording(samples, CHANNELS, "simulated")
+
+
 def explained(recording: Recording) -> Explanation:
     """What explains the angle of such a recording."""
     return explain(posed(recording))

@@ -10,7 +10,7 @@ from pipeline.physics.catalogue import term
 from pipeline.physics.held import slewed
 from pipeline.physics.motion import Motion
 from pipeline.recording import Recording
-from tests.discrepancy.made import ANGLE, CHANNELS, SIMULATED, diagnosed, names, value_of
+from tests.discrepancy.made import ANGLE, CHANNELS, SIMULATED, diagnosed, followed, names, value_of
 
 STEP_S, NOISE = 0.01, 0.02
 WIDTH, DRAG, FADING = 1.0, 60.0, 2.0
@@ -82,10 +82,7 @@ def test_play_with_a_load_that_coasts_does_not_grow_where_a_motion_gets_slower()
     values = np.array([width, 0.5, fading])
     load = term("backlash", "coasting").respond(drive, motion, values, None)[0]
     noise = 0.4 * np.random.default_rng(5).standard_normal(len(drive))
-    columns = [time_s, motion.cycle, np.arange(len(drive)), drive, 0.0 * drive, load + noise, drive]
-    named = ["time_s", "cycle", "step", *(c.name for c in CHANNELS)]
-    samples = pd.DataFrame(dict(zip(named, columns, strict=True)))
-    found = diagnosed(Recording(samples, CHANNELS, "simulated"))
+    found = diagnosed(followed(time_s, drive, load + noise, 0.25))
     assert names(found) == {"backlash"}
     assert abs(value_of(found, "backlash", "width").value - width) < 0.3
     assert abs(value_of(found, "backlash", "fading").value - fading) < 3.0

@@ -1,11 +1,9 @@
 """A wire that rubs in its sheath ahead of its slack."""
 
 import numpy as np
-import pandas as pd
 import pytest
 
-from pipeline.recording import Recording
-from tests.discrepancy.made import ANGLE, CHANNELS, SIMULATED, diagnosed, names, value_of
+from tests.discrepancy.made import diagnosed, followed, names, value_of
 
 NOISE, LOST, REACH, SLACK = 0.05, 1.8, 0.08, 1.2
 
@@ -31,12 +29,7 @@ def test_friction_ahead_of_slack_is_no_play_that_grows():
     end = pulled(drive)
     seen = end - np.clip(end, -0.5 * SLACK, 0.5 * SLACK)
     noise = NOISE * np.random.default_rng(1).standard_normal(len(drive))
-    samples = pd.DataFrame({
-        "time_s": time_s, "cycle": (0.3 * time_s).astype(int), "step": np.arange(len(drive)),
-        "pitch_command_deg": drive, "yaw_command_deg": 0.0 * drive, ANGLE: seen + noise,
-        SIMULATED: drive,
-    })  # fmt: skip
-    found = diagnosed(Recording(samples, CHANNELS, "simulated"))
+    found = diagnosed(followed(time_s, drive, seen + noise, 0.3))
     assert names(found) == {"friction", "slack"}
     assert found.diagnoses[0].verdict in ("explained", "ambiguous")
     assert found.diagnoses[0].after.heldout_rmse < 1.1 * NOISE

@@ -1,11 +1,9 @@
 """A joint that swings after each step."""
 
 import numpy as np
-import pandas as pd
 import pytest
 
-from pipeline.recording import Recording
-from tests.discrepancy.made import ANGLE, CHANNELS, changed, diagnosed, names, recorded
+from tests.discrepancy.made import ANGLE, changed, diagnosed, followed, names, recorded
 
 
 @pytest.mark.parametrize(
@@ -46,9 +44,6 @@ def test_what_swings_at_a_steady_pace_is_not_told_as_an_old_frame_alone():
             at += step_s / 10 * speed
         seen[k] = at
     noise = 0.3 * np.random.default_rng(6).standard_normal(len(drive))
-    columns = [time_s, (0.3 * time_s).astype(int), np.arange(len(drive)), drive, 0.0 * drive]
-    named = ["time_s", "cycle", "step", *(c.name for c in CHANNELS)]
-    samples = pd.DataFrame(dict(zip(named, [*columns, seen + noise, drive], strict=True)))
-    (found,) = diagnosed(Recording(samples, CHANNELS, "simulated")).diagnoses
+    (found,) = diagnosed(followed(time_s, drive, seen + noise, 0.3)).diagnoses
     assert [p.name for p in found.physics] == ["response_lag"]
     assert found.after.heldout_rmse < 0.32
