@@ -17,7 +17,7 @@ from pipeline.physics.drift import Drift
 from pipeline.physics.driven_stretch import DrivenStretch
 from pipeline.physics.end_stop import EndStop
 from pipeline.physics.force_contact import ForceContact
-from pipeline.physics.force_lag import ForceLag
+from pipeline.physics.force_lag import SWINGING, ForceLag
 from pipeline.physics.force_waves import ForceGravity, ForceRipple
 from pipeline.physics.frame_lag import FrameLag
 from pipeline.physics.friction import Friction
@@ -68,7 +68,8 @@ PRESSED = tuple(
     )
 )
 SPRUNG, LATE_DAMPER = ViscousFriction("sprung"), LateDamper()
-LATE, WORN, QUEUE = ForceLag(), WornPlay(), QueuedFrames()
+LATE = (ForceLag(), ForceLag(SWINGING))
+WORN, QUEUE = WornPlay(), QueuedFrames()
 ODD = (SingleBump(), YieldingWire(), *(Contact(f"{side} {LOSSY}") for side in SIDES))
 RECURRING = (RecurringSlip("every top"), RecurringSlip("every bottom"))
 SKIPS = tuple(
@@ -212,7 +213,7 @@ def instead(term: Term, values: np.ndarray, motion: Motion, around: Surroundings
 def term(name: str, form: str = "", other_commands: Iterable[str] = ()) -> Term:
     """The term of a name (and form); TermError names those that exist."""
     found = with_richer((*terms(other_commands), *ODD, *force_terms()))
-    found += (*SHEATH_FORCES, *PRESSED, SPRUNG, LATE, WORN, QUEUE, *UNEVEN, *RECURRING, *SKIPS)
+    found += (*SHEATH_FORCES, *PRESSED, SPRUNG, *LATE, WORN, QUEUE, *UNEVEN, *RECURRING, *SKIPS)
     found += (*RUBBING, LATE_DAMPER)
     same = [t for t in found if t.name == name and form in ("", t.form)]
     if same:

@@ -5,10 +5,20 @@ from dataclasses import replace
 import numpy as np
 
 from pipeline.discrepancy.fitting.charge import complexity, independent
+from pipeline.discrepancy.fitting.fit import evaluate, improve
 from pipeline.discrepancy.fitting.reform import reformed
 from pipeline.discrepancy.problem.force_problem import averaged
 from pipeline.discrepancy.problem.problem import Problem
-from pipeline.discrepancy.search.choose import Choice, among, best_of_each, extended
+from pipeline.discrepancy.search.choose import (
+    LEAST_GAIN,
+    MOST_TERMS,
+    Choice,
+    Search,
+    among,
+    best_of_each,
+    extended,
+    grown,
+)
 from pipeline.discrepancy.search.explain import Explanation, explain
 from pipeline.discrepancy.search.force_delay import delay_of, late
 from pipeline.discrepancy.search.polish import polished
@@ -19,14 +29,15 @@ from pipeline.physics.viscous_friction import ViscousFriction
 def explained_in_time(problem: Problem) -> tuple[Problem, Explanation]:
     """The problem of a force moved by its delay, and what explains it there.
 
-    Beside a lag the delay is another: then both are looked for once more. A delay beside which
+    A lag comes before any delay: it is late by more, and what is moved at first in its place hides
+    it. Beside a lag the delay is another: then both are looked for once more. A delay beside which
     nothing explains the force as well as without one is none.
     """
-    came = explain(averaged(problem)[0])
+    came = lagging(explain(averaged(problem)[0]))
     moved, found = explained_with(problem, came)
     if moved is not problem and better(came.choices[0], found.choices[0]):
-        return problem, lagging(came)
-    if LATE.name not in found.choices[0].fit.names:
+        return problem, came
+    if moved is problem or LATE[0].name not in found.choices[0].fit.names:
         return moved, found
     return explained_with(problem, found)
 
@@ -48,7 +59,7 @@ def explained_with(problem: Problem, known: Explanation) -> tuple[Problem, Expla
     """The problem moved by the delay beside what is known, and what explains it, with a lag."""
     delay = delay_of(problem, known.choices[0].fit)
     if delay.value == 0.0:
-        return problem, lagging(known)
+        return problem, known
     problem = late(problem, delay)
     return problem, lagging(explain(averaged(problem)[0]))
 
@@ -58,17 +69,39 @@ def lagging(explanation: Explanation) -> Explanation:
 
     A lag rounds the force's turns as bristles do, and as a damper behind a spring: from the start
     it would take the place of either, and they take its place where it is. So it is looked for
-    beside the best choice, and beside that with its damper without the spring.
+    beside the best choice, beside that with its damper without the spring, in place of each of its
+    terms, and beside nothing: what comes late may have been drawn by a pile of other names.
     """
     search, best = explanation.search, explanation.choices[0]
+    problem = best.fit.ground.problem
     parents = [best]
     for k, piece in enumerate(best.fit.pieces):
+        rest = improve(evaluate(best.fit.ground, best.fit.without(piece)))
+        parents.append(search.weighed(rest, best.place))
         if (piece.term.name, piece.term.form) == (SPRUNG.name, SPRUNG.form):
             parents.append(search.weighed(reformed(best.fit, k, ViscousFriction()), best.place))
-    own = among(search, best.fit.ground.problem, (LATE,))
-    found = [child for parent in parents for child in extended(own, parent)]
+    own = among(search, problem, LATE)
+    every = among(search, problem, (*search.terms, SPRUNG, *LATE))
+    found = [grown(own, child) for parent in parents for child in extended(own, parent)]
+    if problem.around.simulated:
+        alone = next(c for c in explanation.choices if not c.fit.pieces)
+        found += [joined(every, child) for child in extended(own, alone)]
     if min((c.score for c in found), default=best.score) >= best.score:
         return explanation
-    every = among(search, best.fit.ground.problem, (*search.terms, SPRUNG, LATE))
     told = polished(every, [*explanation.choices, *found])
     return replace(explanation, choices=best_of_each([*explanation.choices, *told]))
+
+
+def joined(search: Search, choice: Choice) -> Choice:
+    """The choice with further terms, the best at each step, as long as it gets better."""
+    while len(choice.fit.pieces) < MOST_TERMS:
+        best = min((grown(search, c) for c in extended(search, choice)), key=score_of, default=None)
+        if best is None or best.score > choice.score - LEAST_GAIN:
+            break
+        choice = best
+    return choice
+
+
+def score_of(choice: Choice) -> float:
+    """By which choices are compared: less is better."""
+    return choice.score
