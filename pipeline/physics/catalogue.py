@@ -149,7 +149,7 @@ def force_terms() -> tuple[Term, ...]:
 
     A spring may harden from the start: beside a simulated one, that is all that is missing. Nor
     does a contact without pre-sliding come from one that has it: no step leads there.
-    No drift that settles: settled at once, it is the offset that dry friction of two sizes needs.
+    No drift settles at once there: it would be the offset that dry friction of two sizes needs.
     """
     return (
         Inertia(),
@@ -167,6 +167,7 @@ def force_terms() -> tuple[Term, ...]:
         ForceRipple(),
         Drift("linear"),
         Drift("cycle"),
+        Drift("settling"),
         Drift("wave"),
     )
 

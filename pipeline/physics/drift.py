@@ -9,15 +9,19 @@ from pipeline.physics.term import Parameter, Surroundings, Term
 
 HOUR_S = 3600.0
 SHORTEST, CYCLES = 0.15, 1.5
+SETTLING = 0.1
+WARMING = {"exponential": 0.02, "settling": SETTLING}
+"""Forms that come to rest, by the shortest time constant [share of the recording]."""
 
 
 class Drift(Term):
     """seen = theta + d(t), t from the first sample.
 
     Forms: "linear" d = rate t; "quadratic" d = rate t + acceleration t^2 / 2; "cycle" d = rate n, n
-    the number of the cycle; "exponential" d = amplitude (1 - exp(-t / tau)); "wave" d = amplitude
-    (sin(2 pi t / period + phase) - sin phase), slower than the cycles: a wave as quick as these is
-    what the commands do. Source: thermal drift of first order; definition.
+    the number of the cycle; "exponential" d = amplitude (1 - exp(-t / tau)), "settling" the same
+    with a tau of at least SETTLING of the recording: settled sooner, it is an offset; "wave" d =
+    amplitude (sin(2 pi t / period + phase) - sin phase), slower than the cycles: a wave as quick as
+    these is what the commands do. Source: thermal drift of first order; definition.
     """
 
     name = "drift"
@@ -55,8 +59,9 @@ class Drift(Term):
         amplitude = Parameter(
             "amplitude", unit, -span, span, 0.05 * span, 0.03 * span, measured=True
         )
-        if self.form == "exponential":
-            tau = Parameter("time_constant", "s", 0.02 * duration, 2 * duration, duration / 4, 0.0)
+        if self.form in WARMING:
+            quickest = WARMING[self.form] * duration
+            tau = Parameter("time_constant", "s", quickest, 2 * duration, duration / 4, 0.0)
             return (amplitude, tau)
         return (
             amplitude,
@@ -74,7 +79,7 @@ class Drift(Term):
         if self.form in ("linear", "quadratic"):
             hours = t / HOUR_S
             drift = values[0] * hours + 0.5 * sum(values[1:]) * hours**2
-        elif self.form == "exponential":
+        elif self.form in WARMING:
             drift = -values[0] * np.expm1(-t / values[1])
         else:
             drift = values[0] * (np.sin(2 * np.pi * t / values[1] + values[2]) - np.sin(values[2]))
@@ -83,8 +88,9 @@ class Drift(Term):
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
         duration = max(around.end_s - around.start_s, 1e-9)
         size = 0.01 * around.angle_span
-        if self.form == "exponential":
-            return np.array([[size, s * duration] for s in (0.03, 0.1, 0.3, 1.0)])
+        if self.form in WARMING:
+            shares = [s for s in (0.03, 0.1, 0.3, 1.0) if s >= WARMING[self.form]]
+            return np.array([[size, s * duration] for s in shares])
         if self.form == "wave":
             periods = [p for p in duration / np.arange(0.5, 5.0, 0.5) if p >= shortest(around)]
             phases = np.arange(4) * np.pi / 4

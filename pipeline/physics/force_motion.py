@@ -24,10 +24,13 @@ def position_of(recording: Recording, measurement: str) -> str | None:
     """The command that a force was measured against; None where it is no force against motion.
 
     That is where the measurement has a unit of force, torque, voltage or current and a command one
-    of length or angle, or else of velocity. Of several such commands it is the one whose name
-    begins alike, or the first.
+    of length or angle, or else of velocity; but behind a command of its own unit a force comes as
+    an angle does behind another, whatever else is commanded. Of several such commands it is the one
+    whose name begins alike, or the first.
     """
     unit = recording.channel(measurement).unit
+    if any(c.unit == unit for c in recording.with_role("command")):
+        return None
     commands = [c for c in recording.with_role("command") if is_force(unit, position_unit(c.unit))]
     for fits in (is_position, is_velocity):
         found = [c.name for c in commands if fits(c.unit)]

@@ -56,6 +56,7 @@ class ViscousFriction(ForceTerm):
     def __init__(self, form: str = "") -> None:
         self.form = form
         self.unlikely = 3.0 if form == "sprung" else 0.0  # a damper behind a spring is two things
+        self.also = ("creep", "response_lag") if form == "sprung" else ()
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
         most = 4.0 * around.angle_span / max(around.top_speed, 1e-12)
