@@ -147,8 +147,8 @@ BENDS = frozenset(t.name for t in terms() if t.group == BEND)
 def force_terms() -> tuple[Term, ...]:
     """Every term that a force measured against a position can show, as `terms` does for a chain.
 
-    A spring may harden from the start: beside a simulated one, that is all that is missing. Nor
-    does a contact without pre-sliding come from one that has it: no step leads there.
+    A spring may harden from the start, or differ for its two sides: beside a simulated one, that is
+    all that is missing, and where it is, a contact takes its place. Nor does a contact without pre-sliding come from one that has it: no step leads there.
     No drift settles at once there: it would be the offset that dry friction of two sizes needs.
     """
     return (
@@ -161,6 +161,7 @@ def force_terms() -> tuple[Term, ...]:
         StribeckFriction("smoothed"),
         Stiffness(),
         Stiffness("hardening"),
+        Stiffness("asymmetric"),
         ForceContact("upper buffer"),
         ForceContact("lower buffer"),
         ForceGravity(),

@@ -9,6 +9,8 @@ from pipeline.physics.term import Parameter, Surroundings, Term
 
 HOUR_S = 3600.0
 SHORTEST, CYCLES = 0.15, 1.5
+UNLIKELY = {"wave": 6.0, "quadratic": 4.0}
+"""A wave follows what jitters by cycle, too; what warms up comes to rest, and a parabola does not."""
 SETTLING = 0.1
 WARMING = {"exponential": 0.02, "settling": SETTLING}
 """Forms that come to rest, by the shortest time constant [share of the recording]."""
@@ -36,7 +38,7 @@ class Drift(Term):
     def __init__(self, form: str = "linear") -> None:
         self.form = form
         self.evolves = form != "quadratic"  # which runs away where it ends as another course does
-        self.unlikely = 6.0 if form == "wave" else 0.0  # it follows what jitters by cycle, too
+        self.unlikely = UNLIKELY.get(form, 0.0)
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
         span, unit = around.angle_span, around.angle_unit
