@@ -18,6 +18,7 @@ from pipeline.physics.driven_stretch import DrivenStretch
 from pipeline.physics.end_stop import EndStop
 from pipeline.physics.force_contact import ForceContact
 from pipeline.physics.force_lag import SWINGING, ForceLag
+from pipeline.physics.force_slack import ASIDE, ForceSlack
 from pipeline.physics.force_waves import ForceGravity, ForceRipple
 from pipeline.physics.frame_lag import FrameLag
 from pipeline.physics.friction import Friction
@@ -147,9 +148,10 @@ BENDS = frozenset(t.name for t in terms() if t.group == BEND)
 def force_terms() -> tuple[Term, ...]:
     """Every term that a force measured against a position can show, as `terms` does for a chain.
 
-    A spring may harden from the start, or differ for its two sides: beside a simulated one, that is
-    all that is missing, and where it is, a contact takes its place. Nor does a contact without pre-sliding come from one that has it: no step leads there.
-    No drift settles at once there: it would be the offset that dry friction of two sizes needs.
+    A spring may harden from the start, or differ for its two sides: beside a simulated one that is
+    all that is missing, and a contact would take its place. Nor does a contact without pre-sliding
+    come from one that has it, or a power of the speed from what goes by the speed: no step leads
+    there. No drift settles at once: it would be the offset that dry friction of two sizes needs.
     """
     return (
         Inertia(),
@@ -157,11 +159,15 @@ def force_terms() -> tuple[Term, ...]:
         CoulombFriction("smoothed"),
         ViscousFriction(),
         ViscousFriction("square"),
+        ViscousFriction("power"),
         StribeckFriction(),
         StribeckFriction("smoothed"),
+        StribeckFriction("smoothed tustin"),
         Stiffness(),
         Stiffness("hardening"),
         Stiffness("asymmetric"),
+        ForceSlack(),
+        ForceSlack(ASIDE),
         ForceContact("upper buffer"),
         ForceContact("lower buffer"),
         ForceGravity(),

@@ -24,7 +24,7 @@ class Derivatives:
 
     cutoff_hz: of the low-pass; infinite where none was needed. rate_hz: of the even grid on which
     it worked. resampled: whether the samples stood unevenly. known: (n,) mask, False at the ends
-    and beside holes, where the filter sees one side only.
+    and beside holes, where the filter sees one side only. of_speed: whether the velocity was known.
     """
 
     position: np.ndarray
@@ -34,10 +34,14 @@ class Derivatives:
     rate_hz: float
     resampled: bool
     known: np.ndarray
+    of_speed: bool = False
 
 
 def differentiate(
-    time_s: np.ndarray, position: np.ndarray, cutoff_hz: float | None = None
+    time_s: np.ndarray,
+    position: np.ndarray,
+    cutoff_hz: float | None = None,
+    speed: np.ndarray | None = None,
 ) -> Derivatives:
     """Low-pass a position without delay, then take central differences.
 
@@ -47,6 +51,8 @@ def differentiate(
     1 - 1 / (1 + (f / cutoff)^8). Samples that stand unevenly (by more than 1 % of their median
     distance) go by way of a cubic spline to an even grid and back. Where more than HOLE samples are
     missing in a row, the two sides of the hole are ends. The cut-off is `cutoff_of` unless given.
+    speed: (n,) where it is known and the position its integral: then it is low-passed itself, and
+    a = (v_{k+1} - v_{k-1}) / 2h; differences of its integral would round where it turns.
     Source: Gautier, Janot and Vandanjon, IEEE Trans. Control Syst. Technol. 21 (2013) 428, section
     II-C. Raises ValueError for fewer than 3 samples or times that stand still.
     """
@@ -61,22 +67,30 @@ def differentiate(
         grid = np.arange(time_s[0], time_s[-1] + 0.5 * h, h)
         x = bridged(time_s, x, grid, holes)
     whole = longest_between(time_s, grid, holes)
-    cutoff = cutoff_of(x[whole], 1.0 / h) if cutoff_hz is None else cutoff_hz
-    if cutoff < NO_FILTER / h:
+    if speed is not None and resampled:
+        speed = bridged(time_s, speed, grid, holes)
+    bend = np.diff(x[whole], 2) if speed is None else np.diff(speed[whole])
+    cutoff = cutoff_of(x[whole], bend, 1.0 / h) if cutoff_hz is None else cutoff_hz
+    filtered = cutoff < NO_FILTER / h
+    if filtered:
         x = low_passed(x, cutoff * h)
     else:
         cutoff = np.inf
-    v = np.gradient(x, h, edge_order=2)
-    a = np.empty_like(x)
-    a[1:-1] = np.diff(x, 2) / h**2
-    a[0], a[-1] = a[1], a[-2]
+    if speed is None:
+        v = np.gradient(x, h, edge_order=2)
+        a = np.empty_like(x)
+        a[1:-1] = np.diff(x, 2) / h**2
+        a[0], a[-1] = a[1], a[-2]
+    else:
+        v = low_passed(speed, cutoff * h) if filtered else np.asarray(speed, dtype=float)
+        a = np.gradient(v, h, edge_order=2)
     edge = max(EDGE_PERIODS / cutoff, 1.5 * h)
     known = (time_s >= time_s[0] + edge) & (time_s <= time_s[-1] - edge)
     for hole in holes:
         known &= (time_s <= time_s[hole] - edge) | (time_s >= time_s[hole + 1] + edge)
     if resampled:
         x, v, a = (np.interp(time_s, grid, values) for values in (x, v, a))
-    return Derivatives(x, v, a, float(cutoff), 1.0 / h, resampled, known)
+    return Derivatives(x, v, a, float(cutoff), 1.0 / h, resampled, known, speed is not None)
 
 
 def bridged(
@@ -111,19 +125,18 @@ def low_passed(values: np.ndarray, cutoff: float) -> np.ndarray:
     return np.asarray(sosfiltfilt(sections, values, padlen=pad))
 
 
-def cutoff_of(position: np.ndarray, rate_hz: float) -> float:
+def cutoff_of(position: np.ndarray, bend: np.ndarray, rate_hz: float) -> float:
     """Up to which frequency [Hz] differences show the motion; the rate if they do everywhere.
 
-    The spectrum of the second differences falls with the motion's own and rises, as f^4, with the
-    noise of the position: the cut-off is where it is lowest, above the frequencies that hold all
-    but a thousandth of the position's variance. It is smoothed by a running median, so that a line
-    does not count.
+    bend: the position's second differences, or the first ones of a velocity that is known. Their
+    spectrum falls with the motion's own and rises, as f^4 or f^2, with the noise: the cut-off is
+    where it is lowest, above the frequencies that hold all but a thousandth of the position's
+    variance. It is smoothed by a running median, so that a line does not count.
     """
     from scipy.signal import welch
 
     if len(position) < FEWEST_SAMPLES:
         return rate_hz
-    bend = np.diff(position, 2)
     segment = min(SEGMENT, len(bend))
     own = welch(position, rate_hz, nperseg=segment, detrend="linear")[1]
     frequency, power = welch(bend, rate_hz, nperseg=segment)

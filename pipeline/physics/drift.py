@@ -10,7 +10,7 @@ from pipeline.physics.term import Parameter, Surroundings, Term
 HOUR_S = 3600.0
 SHORTEST, CYCLES = 0.15, 1.5
 UNLIKELY = {"wave": 6.0, "quadratic": 4.0}
-"""A wave follows what jitters by cycle, too; what warms up comes to rest, and a parabola does not."""
+"""A wave follows what jitters by cycle, too; what warms up comes to rest, unlike a parabola."""
 SETTLING = 0.1
 WARMING = {"exponential": 0.02, "settling": SETTLING}
 """Forms that come to rest, by the shortest time constant [share of the recording]."""

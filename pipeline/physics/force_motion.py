@@ -5,6 +5,7 @@ import numpy as np
 from pipeline.errors import LoopgapError, refusal
 from pipeline.physics.differentiation import Derivatives, differentiate
 from pipeline.physics.force_units import (
+    PER_SECOND,
     RADIAN,
     is_force,
     is_position,
@@ -14,6 +15,8 @@ from pipeline.physics.force_units import (
 )
 from pipeline.physics.motion import Kinetics, Motion, turned_between
 from pipeline.recording import Recording
+
+ALIKE = 0.02
 
 
 class MotionError(LoopgapError):
@@ -45,15 +48,16 @@ def force_motion(
 ) -> tuple[Motion, Derivatives]:
     """The motion of the command `position` with its derivatives, see `differentiate`.
 
-    A command that is a velocity is integrated first, see `position_behind`.
+    A command that is a velocity is integrated first, see `position_behind`; its velocity is that,
+    or that of a command beside it, see `speed_beside`.
     simulated: (n,) force of the simulation; where it says nothing of a row, a line between its
     neighbours stands (0 where it says nothing at all).
     """
     time_s = recording.values("time_s")
-    unit = recording.channel(position).unit
+    unit, told = recording.channel(position).unit, recording.values(position)
     try:
-        way = position_behind(time_s, recording.values(position), unit)
-        found = differentiate(time_s, way, cutoff_hz)
+        way = position_behind(time_s, told, unit)
+        found = differentiate(time_s, way, cutoff_hz, speed_beside(recording, position, way))
     except ValueError as problem:
         raise MotionError(
             refusal(f"command {position!r}", f"{problem}, to differentiate it",
@@ -73,6 +77,24 @@ def force_motion(
         ),
     )
     return motion, found
+
+
+def speed_beside(recording: Recording, position: str, way: np.ndarray) -> np.ndarray | None:
+    """The command (n,) that is the velocity of a position's `way` (n,); None where none is.
+
+    It is in the position's unit per second, and goes as the way's own differences do.
+    """
+    unit, between = position_unit(recording.channel(position).unit), np.diff(way)
+    passed_s = np.diff(recording.values("time_s"))
+    for command in recording.with_role("command"):
+        base, size = PER_SECOND.get(command.unit, ("", 1.0))
+        if base != unit:
+            continue
+        speed = size * recording.values(command.name)
+        gone = 0.5 * (speed[1:] + speed[:-1]) * passed_s
+        if np.sum((between - gone) ** 2) < ALIKE * np.sum(between**2):
+            return np.asarray(speed)
+    return None
 
 
 def _whole(simulated: np.ndarray) -> np.ndarray:

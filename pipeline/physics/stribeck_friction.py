@@ -19,17 +19,26 @@ class StribeckFriction(ForceTerm):
 
     y comes there over the pre-sliding travel, as in the LuGre model (`pre_sliding.lagging`). Form
     "asymmetric": force (1 + asymmetry) rising, (1 - asymmetry) falling; form "smoothed": y =
-    tanh(v / onset) exp(-(v / speed)^2), without pre-sliding. Source: Stribeck (1902);
-    Armstrong-Helouvry, Dupont and Canudas de Wit, Automatica 30 (1994) 1083.
+    tanh(v / onset) exp(-(v / speed)^2), without pre-sliding; "tustin" and "smoothed tustin": with
+    exp(-|v| / speed). Source: Stribeck (1902); Tustin (1947); Armstrong-Helouvry, Dupont and
+    Canudas de Wit, Automatica 30 (1994) 1083.
     """
 
     name = "stribeck_friction"
     place = 130.0
     remembers = "way"
     directed = True
-    grows: ClassVar = {"": ("asymmetric", "smoothed")}
+    grows: ClassVar = {
+        "": ("asymmetric", "smoothed", "tustin"),
+        "smoothed": ("smoothed tustin",),
+    }
     means = "friction that falls when motion sets in"
     says = "At less than about {speed}, dry friction holds back by {force} more."
+
+    @property
+    def smoothed(self) -> bool:
+        """Whether it turns round with the speed, without pre-sliding."""
+        return self.form.startswith("smoothed")
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
         span = around.angle_span
@@ -38,15 +47,16 @@ class StribeckFriction(ForceTerm):
         own = (
             Parameter("force", around.angle_unit, 0.0, 2.0 * span, 0.05 * span, 0.1 * span),
             Parameter("speed", unit, 1e-3 * top, 0.3 * top, 0.1 * top, 0.0, relative=True),
-            onset_of(around) if self.form == "smoothed" else reach_of(around),
+            onset_of(around) if self.smoothed else reach_of(around),
         )
         return (*own, ASYMMETRY) if self.form == "asymmetric" else own
 
     def force(
         self, motion: Motion, kinetics: Kinetics, values: np.ndarray, state: np.ndarray | None
     ) -> tuple[np.ndarray, np.ndarray | None]:
-        fallen = np.exp(-((kinetics.velocity / values[1]) ** 2))
-        if self.form == "smoothed":
+        fast = np.abs(kinetics.velocity / values[1])
+        fallen = np.exp(-fast if self.form.endswith("tustin") else -(fast**2))
+        if self.smoothed:
             return values[0] * np.tanh(kinetics.velocity / values[2]) * fallen, None
         way, rows = motion.way
         slow = np.ones(len(way))
@@ -58,7 +68,7 @@ class StribeckFriction(ForceTerm):
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
         own = [p.start for p in self.parameters(around)]
         turns = [r * around.drive_span for r in REACHES]
-        if self.form == "smoothed":
+        if self.smoothed:
             turns = [o * max(around.top_speed, 1e-12) for o in ONSETS]
         speeds = [s * around.top_speed for s in SPEEDS]
         return np.array([[own[0], speed, t, *own[3:]] for speed in speeds for t in turns])

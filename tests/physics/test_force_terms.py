@@ -65,7 +65,10 @@ def test_forces_are_what_their_equations_say():
 @pytest.mark.parametrize("time_constant_s", [0.003, 0.2])
 def test_a_force_behind_a_lag_follows_a_sine_late(time_constant_s):
     m = swing()
-    pieces = [Piece(LATE[0], np.array([time_constant_s])), Piece(term("stiffness"), np.array([7.0]))]
+    pieces = [
+        Piece(LATE[0], np.array([time_constant_s])),
+        Piece(term("stiffness"), np.array([7.0])),
+    ]
     force = Mechanism(pieces=pieces).respond(m)[0] - 3.0
     lag = np.arctan(2.0 * np.pi * time_constant_s)
     expected = 0.7 * np.cos(lag) * np.sin(2.0 * np.pi * m.time_s - lag)

@@ -163,10 +163,12 @@ def walking_note(problem: Problem, best: Choice) -> list[str]:
 def force_notes(problem: Problem, found: Derivatives, every: int) -> list[str]:
     """How velocity and acceleration were found, and what a fitted row is."""
     out = ["Velocity and acceleration are central differences of the position."]
+    if found.of_speed:
+        out = ["Acceleration is central differences of the velocity, which is recorded."]
     if np.isfinite(found.cutoff_hz):
         out[0] = (
-            "Velocity and acceleration are central differences of the position after a low-pass "
-            f"without delay at {worded(found.cutoff_hz)} Hz (sampled at {found.rate_hz:.4g} Hz)."
+            f"{out[0][:-1]} after a low-pass without delay at {worded(found.cutoff_hz)} Hz "
+            f"(sampled at {found.rate_hz:.4g} Hz)."
         )
     if found.resampled:
         out.append(f"Samples stand unevenly: an even grid of {found.rate_hz:.4g} Hz stood between.")

@@ -60,7 +60,7 @@ def recurved(search: Search, choice: Choice) -> Choice:
         others = [t for t in search.terms if curves(t) and (t.name, t.form) not in gone]
         found = search.better(found, improve(begun_with(search, fit, others), 2 * ITERATIONS))
         turning = [k for k, p in enumerate(rest) if p.term.periodic and p.term.form != off]
-        if turning:
+        if turning and fit.ground.problem.derivatives is None:
             found = search.better(found, reformed(improve(fit), turning[0], OFF_CENTRE))
     return found
 
