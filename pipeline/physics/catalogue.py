@@ -18,6 +18,7 @@ from pipeline.physics.driven_stretch import DrivenStretch
 from pipeline.physics.end_stop import EndStop
 from pipeline.physics.force_contact import ForceContact
 from pipeline.physics.force_lag import SWINGING, ForceLag
+from pipeline.physics.force_play import ForcePlay
 from pipeline.physics.force_slack import ASIDE, ForceSlack
 from pipeline.physics.force_waves import ForceGravity, ForceRipple
 from pipeline.physics.frame_lag import FrameLag
@@ -69,7 +70,7 @@ PRESSED = tuple(
     )
 )
 SPRUNG, LATE_DAMPER = ViscousFriction("sprung"), LateDamper()
-LATE = (ForceLag(), ForceLag(SWINGING))
+LATE = (ForceLag(), ForceLag(SWINGING), FrameLag("time"))
 WORN, QUEUE = WornPlay(), QueuedFrames()
 ODD = (SingleBump(), YieldingWire(), *(Contact(f"{side} {LOSSY}") for side in SIDES))
 RECURRING = (RecurringSlip("every top"), RecurringSlip("every bottom"))
@@ -166,6 +167,7 @@ def force_terms() -> tuple[Term, ...]:
         Stiffness(),
         Stiffness("hardening"),
         Stiffness("asymmetric"),
+        ForcePlay(),
         ForceSlack(),
         ForceSlack(ASIDE),
         ForceContact("upper buffer"),

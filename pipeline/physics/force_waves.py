@@ -1,5 +1,8 @@
 """Forces that come again over the position: a weight that turns, magnets, teeth."""
 
+from dataclasses import replace
+from typing import ClassVar
+
 import numpy as np
 
 from pipeline.physics.force_term import ForceTerm
@@ -11,7 +14,7 @@ FEWEST_WAVES, MOST_WAVES, FINEST = 3.0, 60.0, 0.5
 LEAST_TURN = 0.1
 PHASE = Parameter("phase", "rad", -4.0 * np.pi, 4.0 * np.pi, 0.0, 0.0)
 PHASES = np.arange(4) * np.pi / 4.0
-AGAIN = "force"
+AGAIN, SECOND = "force", "force second"
 
 
 class ForceWave(ForceTerm):
@@ -55,31 +58,53 @@ class ForceGravity(ForceWave):
 class ForceRipple(ForceWave):
     """F = amplitude * sin(2 pi x / period + phase), as of magnets (cogging) or of a screw's turns.
 
-    What comes again less than FEWEST_WAVES times is no ripple to be seen. Source: cogging torque,
-    e.g. Hanselman, Brushless Permanent Magnet Motor Design (2003).
+    Form "force second" has a wave of half the period besides: second * sin(4 pi x / period + 2
+    phase + second_phase). What comes again less than FEWEST_WAVES times is no ripple to be seen.
+    Source: cogging torque, e.g. Hanselman, Brushless Permanent Magnet Motor Design (2003).
     """
 
     name = "transmission_ripple"
     place = 180.0
     periodic = True
     unlikely = 6.0  # it follows what comes again for any other reason, too
+    grows: ClassVar = {AGAIN: (SECOND,)}
     says = "The force swells and ebbs by {amplitude}, again and again every {period}."
 
+    def __init__(self, form: str = AGAIN) -> None:
+        self.form = form
+
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
-        span, force = around.drive_span, around.angle_span
+        span, force, unit = around.drive_span, around.angle_span, around.angle_unit
         longest, shortest = span / FEWEST_WAVES, 0.5 * span / MOST_WAVES
-        return (
-            Parameter("amplitude", around.angle_unit, 0.0, force, 0.05 * force, 0.05 * force),
+        own = (
+            Parameter("amplitude", unit, 0.0, force, 0.05 * force, 0.05 * force),
             Parameter("period", around.drive_unit, shortest, longest, longest, 0.0),
-            PHASE,
         )
+        if self.form != SECOND:
+            return (*own, PHASE)
+        second = Parameter("second", unit, 0.0, force, 0.02 * force, 0.05 * force)
+        return (*own, second, replace(PHASE, name="second_phase"), PHASE)
 
     def force(
         self, motion: Motion, kinetics: Kinetics, values: np.ndarray, state: np.ndarray | None
     ) -> tuple[np.ndarray, np.ndarray | None]:
-        return values[0] * np.sin(2.0 * np.pi * motion.drive / values[1] + values[2]), state
+        turned = 2.0 * np.pi * motion.drive / values[1] + values[-1]
+        force = values[0] * np.sin(turned)
+        if self.form == SECOND:
+            force += values[2] * np.sin(2.0 * turned + values[3])
+        return force, state
+
+    def scaled(self, values: np.ndarray, factor: float) -> np.ndarray:
+        out = super().scaled(values, factor)
+        if self.form == SECOND:
+            out[2] *= abs(factor)
+            out[3] -= np.pi if factor < 0.0 else 0.0
+        return out
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
+        if self.form == SECOND:
+            own = [p.start for p in self.parameters(around)]
+            return np.array([[*own[:3], turn, own[4]] for turn in 2.0 * PHASES])
         size, span = self.parameters(around)[0].start, around.drive_span
         waves = np.arange(FEWEST_WAVES, MOST_WAVES, FINEST)
         return np.array([[size, span / wave, phase] for wave in waves for phase in PHASES])

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from pipeline.discrepancy.fitting.charge import complexity, independent
-from pipeline.discrepancy.fitting.fit import evaluate, improve
+from pipeline.discrepancy.fitting.fit import Fit, evaluate, improve
 from pipeline.discrepancy.fitting.reform import reformed
 from pipeline.discrepancy.problem.force_problem import averaged
 from pipeline.discrepancy.problem.problem import Problem
@@ -25,6 +25,8 @@ from pipeline.discrepancy.search.polish import polished
 from pipeline.physics.catalogue import LATE, SPRUNG
 from pipeline.physics.viscous_friction import ViscousFriction
 
+OLD = "frame_lag"
+
 
 def explained_in_time(problem: Problem) -> tuple[Problem, Explanation]:
     """The problem of a force moved by its delay, and what explains it there.
@@ -37,9 +39,15 @@ def explained_in_time(problem: Problem) -> tuple[Problem, Explanation]:
     moved, found = explained_with(problem, came)
     if moved is not problem and better(came.choices[0], found.choices[0]):
         return problem, came
-    if moved is problem or LATE[0].name not in found.choices[0].fit.names:
+    if moved is problem or not comes_late(found.choices[0].fit):
         return moved, found
     return explained_with(problem, found)
+
+
+def comes_late(fit: Fit) -> bool:
+    """Whether a fit has a lag of all the force."""
+    forms = {(term.name, term.form) for term in LATE}
+    return any((p.term.name, p.term.form) in forms for p in fit.pieces)
 
 
 def better(choice: Choice, other: Choice) -> bool:
@@ -56,8 +64,14 @@ def better(choice: Choice, other: Choice) -> bool:
 
 
 def explained_with(problem: Problem, known: Explanation) -> tuple[Problem, Explanation]:
-    """The problem moved by the delay beside what is known, and what explains it, with a lag."""
-    delay = delay_of(problem, known.choices[0].fit)
+    """The problem moved by the delay beside what is known, and what explains it, with a lag.
+
+    Where all of the force is old, that is its delay.
+    """
+    best = known.choices[0].fit
+    if OLD in best.names:
+        return problem, known
+    delay = delay_of(problem, best)
     if delay.value == 0.0:
         return problem, known
     problem = late(problem, delay)
