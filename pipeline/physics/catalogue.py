@@ -21,7 +21,7 @@ from pipeline.physics.force_lag import SWINGING, ForceLag
 from pipeline.physics.force_play import ForcePlay
 from pipeline.physics.force_slack import ASIDE, ForceSlack
 from pipeline.physics.force_waves import ForceGravity, ForceRipple
-from pipeline.physics.frame_lag import FrameLag
+from pipeline.physics.frame_lag import OLD, FrameLag
 from pipeline.physics.friction import Friction
 from pipeline.physics.gravity import Gravity
 from pipeline.physics.held import STEP_AND_WAIT_S
@@ -70,7 +70,7 @@ PRESSED = tuple(
     )
 )
 SPRUNG, LATE_DAMPER = ViscousFriction("sprung"), LateDamper()
-LATE = (ForceLag(), ForceLag(SWINGING), FrameLag("time"))
+LATE = (ForceLag(), ForceLag(SWINGING), FrameLag(OLD))
 WORN, QUEUE = WornPlay(), QueuedFrames()
 ODD = (SingleBump(), YieldingWire(), *(Contact(f"{side} {LOSSY}") for side in SIDES))
 RECURRING = (RecurringSlip("every top"), RecurringSlip("every bottom"))

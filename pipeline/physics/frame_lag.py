@@ -2,20 +2,23 @@
 
 import numpy as np
 
+from pipeline.number_words import worded
 from pipeline.physics.motion import Motion
 from pipeline.physics.term import Parameter, Surroundings, Term
 
+OLD = "force"
 MOST_ROWS, MOST_S = 10.0, 0.5
 QUICKEST, LONGEST = 0.02, 2.0
 MOVES = ((0.1, 1.5), (0.4, 3.0), (1.0, 5.0))
-UNEVEN = 0.05
+UNEVEN, LEAST = 0.05, 2.0
 
 
 class FrameLag(Term):
     """seen(t) = theta(t - lag), straight between samples; form "frames" counts the lag in samples.
 
     Form "held": each pose is reached within `move` of the sample before, and held from there on,
-    as where a robot moves, waits and takes its frame: the wait may vary, the move does not.
+    as where a robot moves, waits and takes its frame: the wait may vary, the move does not. Form
+    "force" is that of a force against motion, LEAST samples old, for less is a delay.
     Source: pure delay of a buffered camera.
     """
 
@@ -35,8 +38,9 @@ class FrameLag(Term):
         if self.form == "frames":
             return (Parameter("lag", "frames", 0.0, MOST_ROWS, 1.0, 1.0),)
         dwell = max(around.dwell_s, 1e-9)
-        lag = Parameter("lag", "s", 0.0, max(MOST_ROWS * dwell, MOST_S), dwell, dwell)
-        if self.form == "time":
+        least, most = LEAST * dwell if self.form == OLD else 0.0, max(MOST_ROWS * dwell, MOST_S)
+        lag = Parameter("lag", "s", least, most, max(dwell, least), dwell)
+        if self.form in ("time", OLD):
             return (lag,)
         quickest, longest = QUICKEST * dwell, LONGEST * dwell
         return lag, Parameter("move", "s", quickest, longest, 0.1 * dwell, 0.0)
@@ -64,14 +68,19 @@ class FrameLag(Term):
         if self.form == "held":
             rows = [[lag, m] for m, most in MOVES for lag in np.arange(0.5 * m, most, 0.5 * m)]
             return dwell * np.array(rows)
-        shares = [0.3, 1.0, 2.0, 4.0]
+        shares = [0.3, 1.0, 2.0, 4.0] if self.form != OLD else [3.0]
         while 2.0 * shares[-1] * dwell < MOST_S:
             shares.append(2.0 * shares[-1])
         return dwell * np.array(shares)[:, None]
 
+    def sentence(self, values: np.ndarray, around: Surroundings) -> str:
+        if self.form == OLD:
+            return f"The force is old: it is that of {worded(values[0])} s before."
+        return super().sentence(values, around)
+
     def excited(self, motion: Motion, around: Surroundings) -> bool:
         moves = around.drive_span > 0.0 and around.dwell_s > 0.0
-        return moves and (self.form == "time" or uneven(motion.time_s))
+        return moves and (self.form in ("time", OLD) or uneven(motion.time_s))
 
 
 def uneven(time_s: np.ndarray) -> bool:

@@ -115,14 +115,14 @@ def test_a_damper_behind_a_spring_is_no_dry_friction():
     force = 2000.0 * x + relaxed(x, 1500.0, 0.06) + rng.normal(0.0, 0.3, len(t))
     (diagnosis,) = diagnose(DiagnosisConfig(), seen_in_steps(x, force)).diagnoses
     assert {p.name for p in diagnosis.physics} == {"stiffness", "viscous_friction"}
-    assert diagnosis.verdict == "explained"
     found = parameters(diagnosis)
     assert found["stiffness.stiffness"].value == pytest.approx(2000.0, rel=0.02)
     assert found["viscous_friction.relaxation"].value == pytest.approx(0.06, rel=0.1)
     assert found["viscous_friction.damping"].value == pytest.approx(90.0, rel=0.1)
     assert diagnosis.after.heldout_rmse < 0.33
-    (said,) = [p.says for p in diagnosis.physics if p.name == "viscous_friction"]
-    assert "behind a spring" in said
+    (damper,) = [p for p in diagnosis.physics if p.name == "viscous_friction"]
+    assert "behind a spring" in damper.says
+    assert set(damper.alternatives) == {"creep", "response_lag"}
 
 
 @pytest.mark.parametrize(("dry", "mass"), [(0.0, 3.0), (20.0, 0.0)])
@@ -164,7 +164,7 @@ def test_at_one_speed_a_bristle_and_a_damper_behind_a_spring_are_each_others_alt
     force = relaxed(x, 1500.0, 0.2) + rng.normal(0.0, 0.3, len(t))
     (diagnosis,) = diagnose(DiagnosisConfig(), seen_in_steps(x, force)).diagnoses
     (only,) = diagnosis.physics
-    assert {only.name, *only.alternatives} == {"coulomb_friction", "viscous_friction"}
+    assert {only.name, *only.alternatives} >= {"coulomb_friction", "viscous_friction"}
     assert diagnosis.verdict == "ambiguous"
 
 

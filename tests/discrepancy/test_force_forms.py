@@ -37,6 +37,39 @@ def test_oil_in_an_orifice_holds_back_by_the_square_of_the_speed():
     assert "with its square" in said
 
 
+def test_a_valve_makes_a_damper_go_by_a_power_of_the_speed():
+    t, x, rng = motion(11)
+    v = np.gradient(x, t)
+    found = diagnosed(x, 60.0 * np.sign(v) * np.abs(v) ** 0.5, rng)
+    assert_told(found, {"viscous_friction"}, {"viscous_friction.exponent": 0.5})
+    (said,) = [p.says for p in found.physics]
+    assert "to the power of 0.5" in said
+
+
+def test_friction_may_fall_with_the_speed_as_tustin_says():
+    t, x, rng = motion(12)
+    v = np.gradient(x, t)
+    force = np.tanh(v / 2e-3) * (15.0 + 25.0 * np.exp(-np.abs(v) / 0.05))
+    found = diagnosed(x, force, rng)
+    sizes = {"stribeck_friction.force": 25.0, "stribeck_friction.speed": 0.05}
+    assert_told(found, {"coulomb_friction", "stribeck_friction"}, sizes)
+
+
+def test_magnets_may_pull_with_a_second_wave():
+    t, x, rng = motion(13)
+    turned = 2.0 * np.pi * x / 0.004
+    force = 9.0 * np.sin(turned + 0.6) + 4.0 * np.sin(2.0 * turned) + 80.0 * np.gradient(x, t)
+    sizes = {"transmission_ripple.amplitude": 9.0, "transmission_ripple.second": 4.0}
+    assert_told(diagnosed(x, force, rng), {"transmission_ripple", "viscous_friction"}, sizes)
+
+
+def test_a_force_whose_zero_warms_up_is_foretold():
+    t, x, rng = motion(14)
+    force = 800.0 * x - 6.0 * np.expm1(-t / (0.3 * t[-1]))
+    found = diagnosed(x, force, rng)
+    assert_told(found, {"stiffness", "drift"}, {"stiffness.stiffness": 800.0})
+
+
 def test_a_buffer_is_met_at_its_position():
     t, x, rng = motion(12)
     force = 800.0 * x + 9000.0 * np.maximum(x - 0.012, 0.0) + dahl(t, x, 6.0, 4e-4)

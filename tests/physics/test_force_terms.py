@@ -48,6 +48,16 @@ def test_forces_are_what_their_equations_say():
     np.testing.assert_allclose(
         answer("viscous_friction", "square", [3.0, 4.0], m), (3.0 + 4.0 * np.abs(v)) * v, atol=1e-12
     )
+    np.testing.assert_allclose(
+        answer("viscous_friction", "power", [3.0, 0.5], m), 3.0 * np.sign(v) * np.sqrt(np.abs(v))
+    )
+    np.testing.assert_allclose(
+        answer("stribeck_friction", "smoothed tustin", [9.0, 0.2, 0.01], m),
+        9.0 * np.tanh(v / 0.01) * np.exp(-np.abs(v) / 0.2),
+        atol=1e-12,
+    )
+    slack = answer("slack", "force aside", [7.0, 0.04, 0.02], m)
+    np.testing.assert_allclose(slack, -7.0 * np.clip(m.drive, 0.0, 0.04), atol=1e-12)
     lower = answer("contact", "lower buffer", [7.0, -0.06, 1e-6], m)
     np.testing.assert_allclose(lower, 7.0 * np.minimum(m.drive + 0.06, 0.0), atol=1e-5)
     np.testing.assert_allclose(
@@ -60,6 +70,30 @@ def test_forces_are_what_their_equations_say():
         5.0 * np.sin(2.0 * np.pi * m.drive / 0.03 + 0.3),
         atol=1e-12,
     )
+
+
+def test_a_ripple_has_a_second_wave_that_turns_with_the_first():
+    m = swing()
+    turned = 2.0 * np.pi * m.drive / 0.03 + 0.3
+    both = 5.0 * np.sin(turned) + 2.0 * np.sin(2.0 * turned + 0.7)
+    values = [5.0, 0.03, 2.0, 0.7, 0.3]
+    np.testing.assert_allclose(
+        answer("transmission_ripple", "force second", values, m), both, atol=1e-12
+    )
+    less = term("transmission_ripple", "force second").scaled(np.array(values), -0.5)
+    np.testing.assert_allclose(
+        answer("transmission_ripple", "force second", less, m), -0.5 * both, atol=1e-12
+    )
+
+
+def test_a_force_that_swings_is_late_by_the_phase_of_second_order():
+    m = swing()
+    w, own, damping = 2.0 * np.pi, 9.0, 0.4
+    pieces = [Piece(LATE[1], np.array([own, damping])), Piece(term("stiffness"), np.array([7.0]))]
+    force = Mechanism(pieces=pieces).respond(m)[0] - 3.0
+    answered = own**2 / (own**2 - w**2 + 2j * damping * own * w)
+    expected = 0.7 * np.imag(answered * np.exp(1j * w * m.time_s))
+    np.testing.assert_allclose(force[3500:], expected[3500:], atol=2e-3)
 
 
 @pytest.mark.parametrize("time_constant_s", [0.003, 0.2])

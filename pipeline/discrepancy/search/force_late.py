@@ -23,24 +23,26 @@ from pipeline.discrepancy.search.explain import Explanation, explain
 from pipeline.discrepancy.search.force_delay import delay_of, late
 from pipeline.discrepancy.search.polish import polished
 from pipeline.physics.catalogue import LATE, SPRUNG
+from pipeline.physics.frame_lag import FrameLag
 from pipeline.physics.viscous_friction import ViscousFriction
-
-OLD = "frame_lag"
 
 
 def explained_in_time(problem: Problem) -> tuple[Problem, Explanation]:
     """The problem of a force moved by its delay, and what explains it there.
 
     A lag comes before any delay: it is late by more, and what is moved at first in its place hides
-    it. Beside a lag the delay is another: then both are looked for once more. A delay beside which
-    nothing explains the force as well as without one is none.
+    it. Beside a lag, or what is found once it is moved, the delay may be another: then both are
+    looked for once more. A delay beside which nothing explains the force as well as without one is
+    none.
     """
     came = lagging(explain(averaged(problem)[0]))
     moved, found = explained_with(problem, came)
-    if moved is not problem and better(came.choices[0], found.choices[0]):
+    if moved is problem or better(came.choices[0], found.choices[0]):
         return problem, came
-    if moved is problem or not comes_late(found.choices[0].fit):
-        return moved, found
+    if not comes_late(found.choices[0].fit):
+        again = delay_of(problem, found.choices[0].fit)
+        if abs(again.value - moved.delay.value) <= moved.delay.high - moved.delay.value:
+            return moved, found
     return explained_with(problem, found)
 
 
@@ -69,7 +71,7 @@ def explained_with(problem: Problem, known: Explanation) -> tuple[Problem, Expla
     Where all of the force is old, that is its delay.
     """
     best = known.choices[0].fit
-    if OLD in best.names:
+    if FrameLag.name in best.names:
         return problem, known
     delay = delay_of(problem, best)
     if delay.value == 0.0:

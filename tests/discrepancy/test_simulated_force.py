@@ -1,0 +1,88 @@
+"""What a simulated force lacks: a spring with slack, play or another side, and what comes late."""
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from pipeline.config import DiagnosisConfig
+from pipeline.recording import Channel
+from pipeline.stages.diagnosis import diagnose
+from tests.discrepancy.test_force import RATE, motion, parameters, recording
+
+NOISE, SPRING = 0.3, 3000.0
+
+
+def beside(x, force, simulated, seed=5):
+    """The diagnosis of a force with noise beside what is simulated of it."""
+    noise = np.random.default_rng(seed).normal(0.0, NOISE, len(x))
+    channel = Channel("force_sim_n", "simulation", "N", of="force_n")
+    seen = recording(x, force + noise).with_channel(channel, simulated)
+    return diagnose(DiagnosisConfig(), seen).diagnoses[0]
+
+
+def told(diagnosis, name, tolerance, **sizes):
+    assert {p.name for p in diagnosis.physics} == {name}
+    for parameter, value in sizes.items():
+        found = parameters(diagnosis)[f"{name}.{parameter}"].value
+        assert found == pytest.approx(value, rel=tolerance), parameter
+    assert diagnosis.after.heldout_rmse < 1.1 * NOISE
+
+
+def test_a_spring_that_does_not_pull_about_home_has_slack():
+    _, x, _ = motion(2)
+    pulled = x - np.clip(x, -0.002, 0.002)
+    found = beside(x, SPRING * pulled, SPRING * x)
+    told(found, "slack", 0.05, stiffness=SPRING, width=0.004)
+
+
+def test_a_spring_that_hangs_in_a_gap_has_play():
+    _, x, _ = motion(2)
+    at, pulled = x[0], np.empty(len(x))
+    for k, here in enumerate(x):
+        at = min(max(at, here - 0.0015), here + 0.0015)
+        pulled[k] = at
+    found = beside(x, SPRING * pulled, SPRING * x)
+    told(found, "backlash", 0.05, stiffness=SPRING, width=0.003)
+
+
+def test_a_spring_that_pulls_more_on_one_side_is_no_contact():
+    _, x, _ = motion(2)
+    found = beside(x, SPRING * x + 2000.0 * np.maximum(x, 0.0), SPRING * x)
+    assert {p.name for p in found.physics} == {"stiffness"}
+    assert found.after.heldout_rmse < 1.1 * NOISE
+
+
+def test_a_force_that_is_many_samples_old_is_told_by_its_age():
+    t, x, _ = motion(2)
+    rigid = 25.0 * np.sign(np.gradient(x, t)) + SPRING * x
+    found = beside(x, np.interp(t - 0.03, t, rigid), rigid)
+    told(found, "frame_lag", 0.05, lag=0.03)
+
+
+def test_a_force_that_swings_after_rigid_friction_is_one_lag():
+    t, x, _ = motion(2)
+    rigid = 25.0 * np.sign(np.gradient(x, t))
+    w, damping = 60.0, 0.5
+
+    def swing(at, state):
+        asked = np.interp(at, t, rigid)
+        return [state[1], w * w * (asked - state[0]) - 2.0 * damping * w * state[1]]
+
+    swung = solve_ivp(swing, (t[0], t[-1]), [rigid[0], 0.0], t_eval=t, max_step=0.5 / RATE).y[0]
+    found = beside(x, swung, rigid)
+    told(found, "response_lag", 0.05, natural_frequency=w, damping=damping)
+
+
+def test_behind_a_command_of_its_own_unit_a_force_is_moved_as_an_angle_is():
+    rng = np.random.default_rng(3)
+    pull = 40.0 * np.sin(2.0 * np.pi * np.arange(1200) / 150.0) + 60.0
+    at, felt = pull[0], np.empty(len(pull))
+    for k, here in enumerate(pull):
+        at = min(max(at, here - 4.0), here + 4.0)
+        felt[k] = at
+    seen = recording(pull, felt + rng.normal(0.0, 0.4, len(pull)), "N", "N")
+    seen = seen.with_channel(Channel("bend_deg", "command", "deg"), np.sin(np.arange(1200) / 9.0))
+    seen = seen.with_channel(Channel("sim", "simulation", "N", of="force_n"), pull)
+    found = diagnose(DiagnosisConfig(), seen).diagnoses[0]
+    assert {p.name for p in found.physics} == {"backlash"}
+    assert parameters(found)["backlash.width"].value == pytest.approx(8.0, rel=0.05)
