@@ -1,9 +1,14 @@
 """Differentiation: the error bounds that it states, its cut-off, uneven samples, the ends."""
 
+from dataclasses import replace
+
 import numpy as np
+import pandas as pd
 import pytest
 
 from pipeline.physics.differentiation import cutoff_of, differentiate
+from pipeline.physics.force_motion import speed_beside
+from pipeline.recording import Channel, Recording, with_context
 
 RATE = 1000.0
 TIME = np.arange(5000) / RATE
@@ -60,6 +65,28 @@ def test_what_has_no_noise_is_not_filtered():
     slow = np.arange(400) / 50.0
     assert cutoff_of(np.sin(slow[:50]), np.diff(slow[:50], 2), 50.0) == 50.0
     assert differentiate(slow, np.sin(2 * np.pi * 0.25 * slow)).cutoff_hz > 20.0
+
+
+def test_a_velocity_that_is_known_is_not_rounded_where_it_turns():
+    coarse = np.arange(600) / 60.0
+    speed = 0.2 * np.arcsin(np.sin(2 * np.pi * 3.1 * coarse))
+    way = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1])) / 60.0])
+    told = differentiate(coarse, way, np.inf, speed)
+    np.testing.assert_array_equal(told.velocity, speed)
+    assert told.of_speed
+    rounded = differentiate(coarse, way, np.inf)
+    assert rms((rounded.velocity - speed)[told.known]) > 0.02 * rms(speed)
+
+
+def test_a_velocity_is_a_positions_own_only_if_it_goes_as_that_does():
+    x, v, _ = motion(TIME)
+    names = {"x_m": (x, "m"), "v_m_s": (v, "m/s"), "other_mm_s": (np.roll(v, 400), "mm/s")}
+    channels = tuple(Channel(name, "command", unit) for name, (_, unit) in names.items())
+    table = pd.DataFrame({"time_s": TIME, **{name: values for name, (values, _) in names.items()}})
+    recording = Recording(with_context(table, channels), channels, "simulated")
+    np.testing.assert_array_equal(speed_beside(recording, "x_m", x), v)
+    alone = replace(recording, channels=(channels[0], channels[2]))
+    assert speed_beside(alone, "x_m", x) is None
 
 
 def test_uneven_samples_and_missing_rows_go_by_an_even_grid():
