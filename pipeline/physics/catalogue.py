@@ -147,12 +147,11 @@ BENDS = frozenset(t.name for t in terms() if t.group == BEND)
 
 
 def force_terms() -> tuple[Term, ...]:
-    """Every term that a force measured against a position can show, as `terms` does for a chain.
+    """Terms that a force measured against a position can show, as `terms` does for a chain.
 
-    A spring may harden from the start, or differ for its two sides: beside a simulated one that is
-    all that is missing, and a contact would take its place. Nor does a contact without pre-sliding
-    come from one that has it, or a power of the speed from what goes by the speed: no step leads
-    there. No drift settles at once: it would be the offset that dry friction of two sizes needs.
+    A spring may harden from the start: beside a simulated one, that is all that is missing. Nor
+    does a contact without pre-sliding come from one that has it: no step leads there.
+    No drift that settles: settled at once, it is the offset that dry friction of two sizes needs.
     """
     return (
         Inertia(),
@@ -160,24 +159,35 @@ def force_terms() -> tuple[Term, ...]:
         CoulombFriction("smoothed"),
         ViscousFriction(),
         ViscousFriction("square"),
-        ViscousFriction("power"),
         StribeckFriction(),
         StribeckFriction("smoothed"),
-        StribeckFriction("smoothed tustin"),
         Stiffness(),
         Stiffness("hardening"),
-        Stiffness("asymmetric"),
-        ForcePlay(),
-        ForceSlack(),
-        ForceSlack(ASIDE),
         ForceContact("upper buffer"),
         ForceContact("lower buffer"),
         ForceGravity(),
         ForceRipple(),
         Drift("linear"),
         Drift("cycle"),
-        Drift("settling"),
         Drift("wave"),
+    )
+
+
+def further_force_terms() -> tuple[Term, ...]:
+    """Terms that a force can show in fewer names than `force_terms`, which come near each of them.
+
+    No step of a search leads to them from there: a spring that differs for its two sides is a
+    spring and a contact, a power of the speed is dry and viscous friction.
+    """
+    return (
+        ViscousFriction("power"),
+        StribeckFriction("tustin"),
+        StribeckFriction("smoothed tustin"),
+        Stiffness("asymmetric"),
+        ForcePlay(),
+        ForceSlack(),
+        ForceSlack(ASIDE),
+        Drift("settling"),
     )
 
 
@@ -222,7 +232,7 @@ def instead(term: Term, values: np.ndarray, motion: Motion, around: Surroundings
 
 def term(name: str, form: str = "", other_commands: Iterable[str] = ()) -> Term:
     """The term of a name (and form); TermError names those that exist."""
-    found = with_richer((*terms(other_commands), *ODD, *force_terms()))
+    found = with_richer((*terms(other_commands), *ODD, *force_terms(), *further_force_terms()))
     found += (*SHEATH_FORCES, *PRESSED, SPRUNG, *LATE, WORN, QUEUE, *UNEVEN, *RECURRING, *SKIPS)
     found += (*RUBBING, LATE_DAMPER)
     same = [t for t in found if t.name == name and form in ("", t.form)]

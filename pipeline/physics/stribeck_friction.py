@@ -28,10 +28,7 @@ class StribeckFriction(ForceTerm):
     place = 130.0
     remembers = "way"
     directed = True
-    grows: ClassVar = {
-        "": ("asymmetric", "smoothed", "tustin"),
-        "smoothed": ("smoothed tustin",),
-    }
+    grows: ClassVar = {"": ("asymmetric", "smoothed")}
     means = "friction that falls when motion sets in"
     says = "At less than about {speed}, dry friction holds back by {force} more."
 

@@ -5,7 +5,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pipeline.physics.catalogue import LATE, LATE_DAMPER, PRESSED, SPRUNG, force_terms, richer, term
+from pipeline.physics.catalogue import (
+    LATE,
+    LATE_DAMPER,
+    PRESSED,
+    SPRUNG,
+    force_terms,
+    further_force_terms,
+    richer,
+    term,
+)
 from pipeline.physics.differentiation import differentiate
 from pipeline.physics.mechanism import Mechanism, Piece
 from pipeline.physics.motion import Kinetics, Motion, turned_between
@@ -15,7 +24,8 @@ AROUND = Surroundings(
     drive_span=0.2, drive_low=-0.1, angle_span=100.0, angle_low=-50.0, dwell_s=1e-3, start_s=0.0,
     end_s=4.0, cycles=4, drive_unit="m", angle_unit="N", top_speed=0.6, top_acceleration=4.0,
 )  # fmt: skip
-OWN = [t for first in force_terms() for t in (first, *richer(first)) if t.site == "body" and t.adds]
+EVERY = (*force_terms(), *further_force_terms())
+OWN = [t for first in EVERY for t in (first, *richer(first)) if t.site == "body" and t.adds]
 OWN += (SPRUNG, LATE_DAMPER, *LATE, *PRESSED)
 
 

@@ -1,7 +1,7 @@
 """What a recording could have shown: the terms to look for, and the names that it could not."""
 
 from pipeline.discrepancy.problem.problem import Problem
-from pipeline.physics.catalogue import LATE, force_terms, terms
+from pipeline.physics.catalogue import LATE, force_terms, further_force_terms, terms
 from pipeline.physics.term import Term
 
 
@@ -20,9 +20,15 @@ def excited_terms(problem: Problem) -> tuple[Term, ...]:
     )
 
 
+def further_terms(problem: Problem) -> tuple[Term, ...]:
+    """Those of `further_force_terms` that a force's motion could have shown; none of an angle."""
+    found = further_force_terms() if problem.motion.kinetics is not None else ()
+    return tuple(t for t in found if t.excited(problem.motion, problem.around))
+
+
 def not_excited(problem: Problem) -> tuple[str, ...]:
     """Names of the catalogue that this recording could not have shown."""
     every = {t.name for t in (*terms(problem.motion.others), *force_terms())} | {"coupling"}
-    shown = {t.name for t in excited_terms(problem)}
+    shown = {t.name for t in (*excited_terms(problem), *further_terms(problem))}
     shown |= {"marker_outliers"} if problem.motion.kinetics is None else {t.name for t in LATE}
     return tuple(sorted(every - shown))
