@@ -43,9 +43,6 @@ class Stiffness(ForceTerm):
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
         found = super().candidates(motion, around)
-        if self.form == "asymmetric":
-            found = np.repeat(found, 3, axis=0)
-            found[:, 1] = -0.5, 0.0, 0.5
         if self.form == "hardening":
             found = np.repeat(found, 2, axis=0)
             found[1] = found[1, 0] / MOST, MOST / farthest(around) ** 2

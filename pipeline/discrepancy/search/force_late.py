@@ -100,7 +100,7 @@ def lagging(explanation: Explanation) -> Explanation:
         parents.append(search.weighed(rest, best.place))
         if (piece.term.name, piece.term.form) == (SPRUNG.name, SPRUNG.form):
             parents.append(search.weighed(reformed(best.fit, k, ViscousFriction()), best.place))
-    own = replace(among(search, problem, (*LATE, *further_terms(problem))), wide=True)
+    own = among(search, problem, (*LATE, *further_terms(problem)))
     every = among(search, problem, (*search.terms, SPRUNG, *own.terms))
     found = [grown(own, child) for parent in parents for child in extended(own, parent)]
     alone = next(c for c in explanation.choices if not c.fit.pieces)
