@@ -63,6 +63,13 @@ def test_magnets_may_pull_with_a_second_wave():
     assert_told(diagnosed(x, force, rng), {"transmission_ripple", "viscous_friction"}, sizes)
 
 
+def test_one_spring_that_differs_for_its_sides_is_no_two_buffers():
+    t, x, rng = motion(15)
+    force = 1500.0 * np.maximum(x, 0.0) + 4000.0 * np.minimum(x, 0.0) + dahl(t, x, 6.0, 4e-4)
+    found = diagnosed(x, force, rng)
+    assert_told(found, {"stiffness", "coulomb_friction"}, {"coulomb_friction.force": 6.0})
+
+
 def test_a_force_whose_zero_warms_up_is_foretold():
     t, x, rng = motion(14)
     force = 800.0 * x - 6.0 * np.expm1(-t / (0.3 * t[-1]))
