@@ -2,13 +2,13 @@
 
 import numpy as np
 
-from pipeline.physics.force_term import ForceTerm, per
+from pipeline.physics.force_slack import WIDTHS, loose_spring
+from pipeline.physics.force_term import ForceTerm
 from pipeline.physics.motion import Kinetics, Motion
 from pipeline.physics.play_operator import play
 from pipeline.physics.term import Parameter, Surroundings
 
-STIFFEST, WIDEST = 20.0, 0.9
-WIDTHS = (0.05, 0.15, 0.35)
+WIDEST = 0.9
 
 
 class ForcePlay(ForceTerm):
@@ -27,13 +27,7 @@ class ForcePlay(ForceTerm):
     says = "A spring of {stiffness} hangs in a gap of {width}: after each reversal it stays behind."
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
-        span = max(around.drive_span, 1e-12)
-        usual = around.angle_span / span
-        return (
-            Parameter("stiffness", per(around, 0), 0.0, STIFFEST * usual, usual, usual),
-            Parameter("width", around.drive_unit, 0.0, WIDEST * span, WIDTHS[0] * span, 0.0,
-                      relative=True),
-        )  # fmt: skip
+        return loose_spring(around, WIDEST)
 
     def force(
         self, motion: Motion, kinetics: Kinetics, values: np.ndarray, state: np.ndarray | None

@@ -30,16 +30,11 @@ class ForceSlack(ForceTerm):
         self.form = form
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
-        span, unit = max(around.drive_span, 1e-12), around.drive_unit
-        usual = around.angle_span / span
-        own = (
-            Parameter("stiffness", per(around, 0), 0.0, STIFFEST * usual, usual, usual),
-            Parameter("width", unit, 0.0, MOST * span, WIDTHS[0] * span, 0.0, relative=True),
-        )
+        own, span = loose_spring(around, MOST), max(around.drive_span, 1e-12)
         if self.form != ASIDE:
             return own
         low, high = around.drive_low, around.drive_low + span
-        return (*own, Parameter("middle", unit, low, high, 0.0, 0.1 * span))
+        return (*own, Parameter("middle", around.drive_unit, low, high, 0.0, 0.1 * span))
 
     def force(
         self, motion: Motion, kinetics: Kinetics, values: np.ndarray, state: np.ndarray | None
@@ -66,3 +61,17 @@ class ForceSlack(ForceTerm):
         low, high = (worded(values[2] + way * half) for way in (-1.0, 1.0))
         spring = f"{worded(values[0])} {per(around, 0)}"
         return f"From {low} to {high} {unit} a spring of {spring} does not pull."
+
+
+def loose_spring(around: Surroundings, widest: float) -> tuple[Parameter, Parameter]:
+    """The stiffness of a simulated spring, and the width over which it does not pull.
+
+    widest: share of the way that this may be.
+    """
+    span = max(around.drive_span, 1e-12)
+    usual = around.angle_span / span
+    return (
+        Parameter("stiffness", per(around, 0), 0.0, STIFFEST * usual, usual, usual),
+        Parameter("width", around.drive_unit, 0.0, widest * span, WIDTHS[0] * span, 0.0,
+                  relative=True),
+    )  # fmt: skip

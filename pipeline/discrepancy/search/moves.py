@@ -26,8 +26,7 @@ from pipeline.physics.stiffness import Stiffness
 from pipeline.physics.term import Term
 
 SHEATH = CapstanFriction("pretensioned")
-SPRING, SIDED = Stiffness(), Stiffness("asymmetric")
-SPRINGS = frozenset({"stiffness", "contact", "slack"})
+SPRING = Stiffness()
 NEAR, AT_ONCE = 30.0, 0.01
 
 
@@ -164,20 +163,6 @@ def sheathed(search: Search, choice: Choice) -> Choice:
                 return trial
             search.vain[key] = choice.score, trial.score - choice.score
     return choice
-
-
-def sided(search: Search, choice: Choice) -> Choice:
-    """The choice of a force with one spring that differs for its sides, if that is better.
-
-    It takes the place of all contacts and springs: two of these are on the way to it, and none of
-    them can go alone.
-    """
-    fit = choice.fit
-    rest = [p for p in fit.pieces if p.term.name not in SPRINGS]
-    if fit.ground.problem.derivatives is None or len(rest) == len(fit.pieces):
-        return choice
-    fit = begun_with(search, evaluate(fit.ground, rest), [SIDED])
-    return search.better(choice, improve(fit, 2 * ITERATIONS))
 
 
 def sheathed_force(search: Search, choice: Choice) -> Choice:

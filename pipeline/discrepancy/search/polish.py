@@ -20,7 +20,6 @@ from pipeline.discrepancy.search.moves import (
     parted,
     recurved,
     sheathed,
-    sided,
     unpromised,
     unshifted,
 )
@@ -32,7 +31,7 @@ from pipeline.physics.backlash import Backlash
 from pipeline.physics.friction import Friction
 
 WORTH, ROUNDS = 150.0, 6
-MOVES = (unpromised, unshifted, stepped, recurved, played, coasted, rubbed, parted, queued, sided)
+MOVES = (unpromised, unshifted, stepped, recurved, played, coasted, rubbed, parted, queued)
 Tried = dict[Key, tuple[float, float]]
 
 
