@@ -10,7 +10,7 @@ from pipeline.physics.force_units import RADIAN
 from pipeline.physics.motion import Kinetics, Motion
 from pipeline.physics.term import Parameter, Surroundings
 
-FEWEST_WAVES, MOST_WAVES, FINEST = 3.0, 60.0, 0.5
+FEWEST_WAVES, MOST_WAVES, FINEST = 2.0, 60.0, 0.5
 LEAST_TURN = 0.1
 PHASE = Parameter("phase", "rad", -4.0 * np.pi, 4.0 * np.pi, 0.0, 0.0)
 PHASES = np.arange(4) * np.pi / 4.0

@@ -398,3 +398,18 @@ def test_a_simulated_mass_is_asked_for_again_when_predicting(damper):
     config.simulation = SimulationConfig("mechanism")
     with pytest.raises(UsageError, match="the one that the diagnosis had"):
         with_simulations(config, bare, [model])
+
+
+@pytest.mark.parametrize("seed", [1, 3, 4])
+def test_noise_that_lasts_is_no_mismatch_of_a_short_recording(seed):
+    rng = np.random.default_rng(seed)
+    t = np.arange(640) / RATE
+    x = 0.005 * (1.0 + t) * np.sin(2.0 * np.pi * 1.25 * t)
+    noise = np.zeros(len(t))
+    for k in range(1, len(t)):
+        noise[k] = 0.8 * noise[k - 1] + rng.normal(0.0, 0.6)
+    simulated = 900.0 * x
+    channel = Channel("force_sim_n", "simulation", "N", of="force_n")
+    seen = recording(x, simulated + noise).with_channel(channel, simulated)
+    (found,) = diagnose(DiagnosisConfig(), seen).diagnoses
+    assert found.verdict == "no_mismatch"

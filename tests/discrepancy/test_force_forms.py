@@ -63,6 +63,13 @@ def test_magnets_may_pull_with_a_second_wave():
     assert_told(diagnosed(x, force, rng), {"transmission_ripple", "viscous_friction"}, sizes)
 
 
+def test_magnets_may_come_again_less_than_three_times():
+    t, x, rng = motion(13)
+    force = 9.0 * np.sin(2.0 * np.pi * x / 0.016 + 0.6) + 80.0 * np.gradient(x, t)
+    sizes = {"transmission_ripple.amplitude": 9.0, "transmission_ripple.period": 0.016}
+    assert_told(diagnosed(x, force, rng), {"transmission_ripple", "viscous_friction"}, sizes)
+
+
 def test_one_spring_that_differs_for_its_sides_is_no_two_buffers():
     t, x, rng = motion(15)
     force = 1500.0 * np.maximum(x, 0.0) + 4000.0 * np.minimum(x, 0.0) + dahl(t, x, 6.0, 4e-4)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from pipeline.discrepancy.judgement.force_rest import after_reversals, too_slow
-from pipeline.discrepancy.judgement.structure import SLOW_CORRELATION
+from pipeline.discrepancy.noise.noise import SLOW_CORRELATION
 
 ROWS, STROKE = 1200, 100
 

@@ -79,3 +79,18 @@ def test_behind_a_command_of_its_own_unit_a_force_is_moved_as_an_angle_is():
     found = diagnose(DiagnosisConfig(), seen).diagnoses[0]
     assert {p.name for p in found.physics} == {"backlash"}
     assert parameters(found)["backlash.width"].value == pytest.approx(8.0, rel=0.05)
+
+
+def test_a_damper_behind_a_spring_beside_simulated_friction_is_one_damper():
+    t, x, _ = motion(2)
+    v = np.gradient(x, t)
+    rigid, drag, at = 20.0 * np.sign(v), np.empty(len(x)), 0.0
+    for k, speed in enumerate(v):
+        at += (speed - at) * (1.0 - np.exp(-1.0 / RATE / 0.2))
+        drag[k] = 150.0 * at
+    weaker = -8.0 * np.tanh(v / 0.03) - 2e3 * np.minimum(x + 0.01, 0.0)
+    found = beside(x, rigid + drag + weaker, rigid)
+    (damper,) = [p for p in found.physics if "creep" in (p.name, *p.alternatives)]
+    assert damper.name == "viscous_friction"
+    assert "response_lag" not in {p.name for p in found.physics}
+    assert parameters(found)["viscous_friction.relaxation"].value == pytest.approx(0.2, rel=0.1)

@@ -8,7 +8,6 @@ from pipeline.discrepancy.judgement.cycle_zero import about_each_zero, wanders_b
 from pipeline.discrepancy.judgement.slipped_again import slipped_again
 from pipeline.discrepancy.judgement.structure import (
     CHANCE,
-    SLOW_CORRELATION,
     SMALLEST_SIZE,
     Structure,
     mismatch_variance,
@@ -16,7 +15,7 @@ from pipeline.discrepancy.judgement.structure import (
 )
 from pipeline.discrepancy.model.intervals import undated
 from pipeline.discrepancy.model.result import root_mean
-from pipeline.discrepancy.noise.noise import NoiseModel
+from pipeline.discrepancy.noise.noise import SLOW_CORRELATION, NoiseModel
 from pipeline.discrepancy.noise.wander import comes_back
 from pipeline.discrepancy.problem.problem import Problem
 from pipeline.discrepancy.search.choose import FAR_WALK, Choice
@@ -24,7 +23,7 @@ from pipeline.discrepancy.search.counted import set_aside, settled_rows
 from pipeline.discrepancy.search.explain import Explanation
 from pipeline.discrepancy.search.refuted import refuted as unrepeated
 
-TWICE, HALF, FAR = 2.0, 0.5, 1.5
+TWICE, HALF, FAR, SURE = 2.0, 0.5, 1.5, 3.0
 FEWEST_BEYOND = 20
 HELDOUT = "on held-out samples, which the fit to the others does not predict"
 SLOWLY = "slow changes that come back, as no zero that wanders does"
@@ -114,11 +113,11 @@ def strained(
     left = off[problem.train & counted]
     if noise.walk > 0.0 and root_mean(left**2) ** 2 > FAR_WALK * noise.deviation**2:
         return WALKS
-    least = usual(left, noise)
-    if root_mean(off[within(problem, counted)] ** 2) > least:
+    other = off[within(problem, counted)]
+    if root_mean(other**2) > usual(left, noise, len(other)):
         return HELDOUT
-    far = problem.heldout & counted & beyond(problem)
-    if far.sum() >= FEWEST_BEYOND and root_mean(off[far] ** 2) > least:
+    far = off[problem.heldout & counted & beyond(problem)]
+    if len(far) >= FEWEST_BEYOND and root_mean(far**2) > usual(left, noise, len(far)):
         return BEYOND
     return None
 
@@ -137,13 +136,15 @@ def beyond(problem: Problem) -> np.ndarray:
     return (drive < fitted.min()) | (drive > fitted.max())
 
 
-def usual(left: np.ndarray, noise: NoiseModel) -> float:
-    """The largest error of other rows to be expected, given what is left of those fitted, (k,).
+def usual(left: np.ndarray, noise: NoiseModel, count: int) -> float:
+    """The largest error of `count` other rows to be expected, given what those fitted leave, (k,).
 
-    A zero that walks is elsewhere in other rows, and so is one that jumps by the cycle.
+    A zero that walks is elsewhere in other rows, and so is one that jumps by the cycle. Where few
+    rows say something of their own, their errors differ more: by a share of sqrt(1 / 2 n) each.
     """
     own = max(root_mean(left**2), float(np.hypot(noise.deviation, 2.0 * noise.jitter)))
-    return (TWICE if noise.walk > 0.0 else FAR) * own
+    chance = SURE * np.sqrt(0.5 * noise.spell * (1.0 / max(len(left), 1) + 1.0 / max(count, 1)))
+    return max(TWICE if noise.walk > 0.0 else FAR, float(np.exp(chance))) * own
 
 
 def taken_for_a_walk(explanation: Explanation, choice: Choice, left: np.ndarray) -> str | None:

@@ -17,7 +17,7 @@ from pipeline.discrepancy.judgement.rest import Rest, repeated_rest, structured_
 from pipeline.discrepancy.judgement.swinging import swings
 from pipeline.discrepancy.noise.family import WALKS, Place
 from pipeline.discrepancy.noise.learning import FINEST
-from pipeline.discrepancy.noise.noise import NoiseModel
+from pipeline.discrepancy.noise.noise import SLOW_CORRELATION, NoiseModel
 from pipeline.discrepancy.search.choose import Choice, piled
 from pipeline.discrepancy.search.explain import Explanation
 from pipeline.number_words import worded
@@ -25,7 +25,6 @@ from pipeline.recording import branch_of
 
 CHANCE, SELDOM = 1e-5, 1e-3
 SMALLEST_SIZE, REPEATED, OF_PILE = 0.2, 0.5, 0.25
-SLOW_CORRELATION = 0.87
 ROUNDED = 1.1
 LEAST_ALIKE, AGAIN = 0.2, "what comes again where the motion does"
 SWINGS = "samples far off to one side and the other by turns: it swings there"

@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 
 from pipeline.discrepancy.noise.hats import hats
-from pipeline.discrepancy.noise.noise import NoiseModel
+from pipeline.discrepancy.noise.noise import SLOW_CORRELATION, NoiseModel
+from pipeline.discrepancy.noise.serial import fit_serial_noise
 from pipeline.discrepancy.problem.problem import Problem
 from pipeline.discrepancy.problem.rows import Averaged
 from pipeline.physics.mechanism import Mechanism
@@ -15,7 +16,7 @@ from pipeline.physics.pre_sliding import sliding
 REACHES = (1e-5, 1e-3, 0.01, 0.05, 0.3)
 SLOW, BENDS = 5, 12
 LONGEST_SHARE = 0.1
-LEAST_SPELL = 1.0 + 1e-9
+LEAST_SPELL, CROWDED = 1.0 + 1e-9, 0.2
 MEDIAN_SQUARE = 0.4549  # of a standard normal: the median does not count corners and outliers
 
 
@@ -28,7 +29,9 @@ def noise_of_force(problem: Problem, kinetics: Kinetics) -> NoiseModel:
     much the drive's own unevenness as noise, and varies slowly: weighing it by its spectrum would
     make all of the fit's say rest on its quickest moments. So rows weigh alike, and count as one in
     a spell, the sum of the residual's autocorrelations up to the first that is not positive (Geyer,
-    Stat. Sci. 7 (1992) 473).
+    Stat. Sci. 7 (1992) 473). Where so large a law follows much of the noise as well (CROWDED), the
+    spell is that of the likeliest noise around it, which accounts for that (`serial.py`), unless
+    that is as slow as physics.
     """
     rows = np.flatnonzero(problem.train & np.isfinite(problem.measured))
     columns = _law(problem, kinetics)[rows]
@@ -37,9 +40,11 @@ def noise_of_force(problem: Problem, kinetics: Kinetics) -> NoiseModel:
     weights = np.linalg.lstsq(columns / size, measured, rcond=1e-9)[0]
     left = measured - columns / size @ weights
     freedom = max(len(rows) - columns.shape[1], 1)
-    return NoiseModel(
-        white=float(np.sqrt(left @ left / freedom)), spell=max(spell_of(left, rows), LEAST_SPELL)
-    )
+    spell = max(spell_of(left, rows), LEAST_SPELL)
+    if columns.shape[1] * spell > CROWDED * len(rows):
+        around = fit_serial_noise(measured, rows, columns)
+        spell = max(spell, around.spell if around.correlation <= SLOW_CORRELATION else spell)
+    return NoiseModel(white=float(np.sqrt(left @ left / freedom)), spell=spell)
 
 
 def noise_of_samples(

@@ -5,6 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 
+SLOW_CORRELATION = 0.87  # from sample to sample; what is slower is as slow as physics
+
 
 @njit(cache=True, fastmath={"contract"}, error_model="numpy")
 def _gone_on(spread, kept, squares, anew):  # type: ignore[no-untyped-def]

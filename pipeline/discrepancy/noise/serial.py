@@ -22,6 +22,11 @@ class SerialNoise:
     correlation: float
     share: float
 
+    @property
+    def spell(self) -> float:
+        """How many neighbouring rows say the same on average: the sum of all autocorrelations."""
+        return 1.0 + 2.0 * self.share * self.correlation / (1.0 - self.correlation)
+
     def whiten(self, columns: np.ndarray, row: np.ndarray) -> np.ndarray:
         """Columns, shape (m, p), as innovations of unit variance where they were noise of sigma 1.
 

@@ -23,6 +23,7 @@ from pipeline.discrepancy.search.moves import (
     unpromised,
     unshifted,
 )
+from pipeline.discrepancy.search.one_damper import one_damper
 from pipeline.discrepancy.search.played import played
 from pipeline.discrepancy.search.queued import queued
 from pipeline.discrepancy.search.rubbed import rubbed
@@ -31,7 +32,9 @@ from pipeline.physics.backlash import Backlash
 from pipeline.physics.friction import Friction
 
 WORTH, ROUNDS = 150.0, 6
-MOVES = (unpromised, unshifted, stepped, recurved, played, coasted, rubbed, parted, queued)
+MOVES = (
+    unpromised, unshifted, stepped, recurved, played, coasted, rubbed, parted, queued, one_damper,
+)  # fmt: skip
 Tried = dict[Key, tuple[float, float]]
 
 
