@@ -195,7 +195,7 @@ def evidence_of(
         train=problem.train,
         heldout=problem.heldout,
         used=np.isfinite(problem.measured) & np.isfinite(problem.simulated) & ~outliers,
-        before=problem.simulated if problem.still is None else problem.still,
+        before=problem.simulated if problem.replaced is None else problem.replaced,
         after=after,
         deviation=deviation,
         noise=model.noise,

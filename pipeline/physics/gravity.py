@@ -6,6 +6,7 @@ import numpy as np
 
 from pipeline.physics.balance import Load
 from pipeline.physics.contact import pretension
+from pipeline.physics.force_units import FORCES
 from pipeline.physics.motion import Motion
 from pipeline.physics.term import Parameter, Surroundings, Term
 
@@ -48,6 +49,10 @@ class Gravity(Term):
         if factor < 0.0:
             out[1] += np.pi
         return out
+
+    def excited(self, motion: Motion, around: Surroundings) -> bool:
+        """Not of a force behind a force: it has no pose."""
+        return around.angle_unit not in FORCES and super().excited(motion, around)
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
         sizes = [0.15, 0.05] if self.form == "unloading" else [0.02]

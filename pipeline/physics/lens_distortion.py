@@ -3,6 +3,7 @@
 import numpy as np
 from numba import njit
 
+from pipeline.physics.force_units import FORCES
 from pipeline.physics.motion import Motion
 from pipeline.physics.term import NO_STATE, Parameter, Surroundings, Term
 
@@ -57,6 +58,10 @@ class LensDistortion(Term):
 
     def scaled(self, values: np.ndarray, factor: float) -> np.ndarray:
         return values * [factor, 1.0, factor][: len(values)]
+
+    def excited(self, motion: Motion, around: Surroundings) -> bool:
+        """Not of a force: no lens shows it."""
+        return around.angle_unit not in FORCES and super().excited(motion, around)
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
         half = 0.5 * around.angle_span

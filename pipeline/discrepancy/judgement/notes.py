@@ -30,7 +30,7 @@ def notes(
     if intolerable(best):
         gain, offset = best.fit.nuisance[:2]
         out.append(calibration_note(float(gain), float(offset), problem.around.angle_unit))
-    out += still_note(problem, best) or free_gain_note(problem, best)
+    out += replaced_note(problem, best) or free_gain_note(problem, best)
     out += start_note(best.fit)
     out += doubled_note(evidence.recording)
     out += other_simulations_note(evidence.recording, evidence.measurement)
@@ -134,10 +134,16 @@ def free_gain_note(problem: Problem, best: Choice) -> list[str]:
     ]
 
 
-def still_note(problem: Problem, best: Choice) -> list[str]:
-    """That the simulation does not move, and what stands in its place."""
-    if problem.still is None or not problem.static:
+def replaced_note(problem: Problem, best: Choice) -> list[str]:
+    """That the simulation does not move, or jumps, and what stands in its place."""
+    if problem.replaced is None or not problem.static:
         return []
+    if np.nanmax(problem.replaced) > np.nanmin(problem.replaced):
+        return [
+            f"The simulation jumps with the direction of {problem.drive}, as rigid friction does: "
+            "the middle of its two branches stands in its place, and the names below hold all "
+            "friction, that of the simulation too."
+        ]
     unit, drive = f"{problem.around.angle_unit}/{problem.around.drive_unit}", problem.motion.drive
     gain = float(best.fit.nuisance[0] * np.ptp(problem.simulated) / np.ptp(drive))
     sign = np.sign(np.polyfit(drive, problem.simulated, 1)[0])

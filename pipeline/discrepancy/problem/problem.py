@@ -8,8 +8,9 @@ import numpy as np
 
 from pipeline.config import DiagnosisConfig, HeldoutConfig, ToleranceConfig
 from pipeline.discrepancy.problem.counts import uncounted
-from pipeline.discrepancy.problem.fitted import tolerance_of_fit
+from pipeline.discrepancy.problem.fitted import LOOSE_GAIN, tolerance_of_fit
 from pipeline.discrepancy.problem.holes import unsettled_rows
+from pipeline.discrepancy.problem.jumping import between_branches
 from pipeline.discrepancy.problem.line import line_in_a_command, own_commands
 from pipeline.discrepancy.problem.rough import unroughened
 from pipeline.discrepancy.problem.rows import Averaged, Picked
@@ -54,8 +55,9 @@ class Problem:
     derivatives: of the position that a force is measured against. delay: by how much that force was
     recorded later than its motion. counted: the step of the encoder that counted the drive, see
     `counts.py`; rough: the noise of one that was measured, see `rough.py`; 0.0 of another. stale:
-    which samples say again what the one before said. still: the simulation as it came, where that
-    does not move and a line in a command stands in its place. unsettled: how many measured samples
+    which samples say again what the one before said. replaced: the simulation as it came, where
+    another stands in its place: a line in a command where it does not move, the middle of its two
+    branches where it jumps with the direction (`jumping.py`). unsettled: how many measured samples
     come after a hole and don't count, see `holes.py`.
     """
 
@@ -76,7 +78,7 @@ class Problem:
     counted: float = 0.0
     rough: float = 0.0
     stale: StaleSamples = NONE_STALE
-    still: np.ndarray | None = None
+    replaced: np.ndarray | None = None
     unsettled: int = 0
 
     @property
@@ -146,10 +148,9 @@ def pose_problem(
     heldout = held_out_rows(config.heldout, motion, known)
     train = known & ~heldout
     refuse_unfit(config.heldout, measurement, train, known & heldout)
-    still = None
-    if not np.ptp(simulated[known]) > 0.0:
-        line = line_in_a_command(own_commands(recording, measurement), measured, train)
-        still, simulated = simulated, simulated if line is None else line[0]
+    replaced, other = None, in_place(recording, measurement, simulated, measured, train)
+    if other is not None:
+        replaced, simulated = simulated, other
         motion, curve, drive, static = driven_by(recording, measurement, simulated)
     counted = rough = 0.0
     if static:
@@ -160,13 +161,33 @@ def pose_problem(
             motion = replace(motion, drive=smooth)
     around = surroundings_of(recording, measurement, motion, simulated, drive, static, train)
     tolerance = tolerance_of_fit(config.tolerance, came, simulated, motion.drive, heldout)
+    if replaced is not None:
+        tolerance = replace(tolerance, gain=max(tolerance.gain, LOOSE_GAIN))
     if static and tolerance.shape > config.tolerance.shape:
         curve = straightened(curve, motion.drive)
     return Problem(
         motion, curve, measured, simulated, train, known & heldout, around, tolerance,
-        drive, static, counted=counted, rough=rough, stale=stale, still=still,
+        drive, static, counted=counted, rough=rough, stale=stale, replaced=replaced,
         unsettled=int(unsettled.sum()),
     )  # fmt: skip
+
+
+def in_place(
+    recording: Recording,
+    measurement: str,
+    simulated: np.ndarray,
+    measured: np.ndarray,
+    train: np.ndarray,
+) -> np.ndarray | None:
+    """What stands in the place of a simulation (n,) that does not move, or jumps; None of others.
+
+    measured: (n,), fitted on `train` rows (n,) where it does not move.
+    """
+    if np.ptp(simulated[np.isfinite(measured) & np.isfinite(simulated)]) > 0.0:
+        commands = {c.name: recording.values(c.name) for c in recording.with_role("command")}
+        return between_branches(commands, simulated)
+    line = line_in_a_command(own_commands(recording, measurement), measured, train)
+    return None if line is None else line[0]
 
 
 def refuse_unfit(

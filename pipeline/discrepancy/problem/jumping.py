@@ -1,0 +1,68 @@
+"""A simulation that jumps with the direction: rigid friction about a static curve of a command."""
+
+from collections.abc import Mapping
+from itertools import pairwise
+
+import numpy as np
+
+from pipeline.physics.kinematics import SampledCurve, sampled_curve
+from pipeline.recording import reversals_of
+
+ON_BRANCH, BETWEEN, APART = 2e-3, 0.15, 5e-3
+FEWEST, LEAST_EACH, STEADY = 40, 0.1, 0.9
+TURNS, KNOTS = 3, 60
+
+
+def between_branches(
+    commands: Mapping[str, np.ndarray], simulated: np.ndarray
+) -> np.ndarray | None:
+    """The middle (n,) of the two branches of a simulation (n,) over a command, None if none.
+
+    There is one where the simulation is one static curve of a command while that rises, another
+    while it falls, and changes from one to the other at once when it turns round: so does rigid
+    friction, as of the capstan equation with the sign of the velocity. What slides over, as play
+    does, is none. Rows in which the simulation stands do not count.
+    """
+    found = (middle_of(u, simulated) for u in commands.values())
+    return next((middle for middle in found if middle is not None), None)
+
+
+def middle_of(command: np.ndarray, simulated: np.ndarray) -> np.ndarray | None:
+    """The middle (n,) of two branches of a simulation over a command, (n,) each; None if none."""
+    rising = rising_rows(command)
+    moving = np.abs(np.diff(simulated, prepend=simulated[:1])) > 0.0
+    rows = np.flatnonzero(moving & np.isfinite(simulated) & np.isfinite(command))
+    if len(rows) < FEWEST:
+        return None
+    u, s, way = command[rows], simulated[rows], rising[rows]
+    span = float(np.ptp(s))
+    up = way
+    for _ in range(TURNS):
+        if not LEAST_EACH < np.mean(up) < 1.0 - LEAST_EACH:
+            return None
+        branches = [smooth_curve(u[b], s[b]) for b in (up, ~up)]
+        off = np.array([np.abs(s - branch(u)) for branch in branches])
+        up = off[0] < off[1]
+    apart = np.abs(branches[0](u) - branches[1](u))
+    astray = int(np.sum(off.min(axis=0) > ON_BRANCH * span + BETWEEN * apart))
+    turned = len(reversals_of(command)) + 1
+    steady = float(np.mean(up == way)) > STEADY
+    if astray > TURNS * turned or np.median(apart) < APART * span or not steady:
+        return None
+    return np.asarray(0.5 * (branches[0](command) + branches[1](command)))
+
+
+def smooth_curve(command: np.ndarray, simulated: np.ndarray) -> SampledCurve:
+    """The curve through means of neighbouring commands: one that was measured has noise."""
+    parts = np.array_split(np.argsort(command), min(KNOTS, len(command)))
+    at, answer = ([float(v[part].mean()) for part in parts] for v in (command, simulated))
+    return sampled_curve(np.array(at), np.array(answer))
+
+
+def rising_rows(command: np.ndarray) -> np.ndarray:
+    """Rows (n,) in which a command goes on its way up, from one reversal to the next."""
+    ends = np.r_[0, reversals_of(command), len(command) - 1]
+    out = np.zeros(len(command), dtype=bool)
+    for begin, end in pairwise(ends):
+        out[begin : end + 1] = command[end] > command[begin]
+    return out
