@@ -9,8 +9,8 @@ from pipeline.physics.kinematics import SampledCurve, sampled_curve
 from pipeline.recording import reversals_of
 
 ON_BRANCH, BETWEEN, APART = 2e-3, 0.15, 5e-3
-FEWEST, LEAST_EACH, STEADY = 40, 0.1, 0.9
-TURNS, KNOTS = 3, 60
+FEWEST, LEAST_EACH, STEADY, FEW_OF_ALL = 40, 0.1, 0.9, 0.02
+TURNS, KNOTS, FAR = 3, 60, 0.01
 
 
 def between_branches(
@@ -21,7 +21,7 @@ def between_branches(
     There is one where the simulation is one static curve of a command while that rises, another
     while it falls, and changes from one to the other at once when it turns round: so does rigid
     friction, as of the capstan equation with the sign of the velocity. What slides over, as play
-    does, is none. Rows in which the simulation stands do not count.
+    does, is none. Rows in which both stand do not count.
     """
     found = (middle_of(u, simulated) for u in commands.values())
     return next((middle for middle in found if middle is not None), None)
@@ -45,9 +45,10 @@ def middle_of(command: np.ndarray, simulated: np.ndarray) -> np.ndarray | None:
         up = off[0] < off[1]
     apart = np.abs(branches[0](u) - branches[1](u))
     astray = int(np.sum(off.min(axis=0) > ON_BRANCH * span + BETWEEN * apart))
-    turned = len(reversals_of(command)) + 1
+    astray += int(np.sum(left_behind(command, moving)))
+    turning = min(TURNS * (len(reversals_of(command)) + 1), FEW_OF_ALL * len(rows))
     steady = float(np.mean(up == way)) > STEADY
-    if astray > TURNS * turned or np.median(apart) < APART * span or not steady:
+    if astray > turning or np.median(apart) < APART * span or not steady:
         return None
     return np.asarray(0.5 * (branches[0](command) + branches[1](command)))
 
@@ -57,6 +58,12 @@ def smooth_curve(command: np.ndarray, simulated: np.ndarray) -> SampledCurve:
     parts = np.array_split(np.argsort(command), min(KNOTS, len(command)))
     at, answer = ([float(v[part].mean()) for part in parts] for v in (command, simulated))
     return sampled_curve(np.array(at), np.array(answer))
+
+
+def left_behind(command: np.ndarray, moving: np.ndarray) -> np.ndarray:
+    """Rows (n,) in which a command (n,) has gone on since a simulation last moved, (n,)."""
+    last = np.maximum.accumulate(np.where(moving, np.arange(len(moving)), 0))
+    return np.asarray(np.abs(command - command[last]) > FAR * float(np.ptp(command)))
 
 
 def rising_rows(command: np.ndarray) -> np.ndarray:

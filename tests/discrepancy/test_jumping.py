@@ -1,0 +1,79 @@
+"""A simulation with rigid friction: what holds all friction takes the place of its jump."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from pipeline.config import DiagnosisConfig
+from pipeline.discrepancy.problem.jumping import between_branches
+from pipeline.physics.play_operator import play
+from pipeline.recording import Channel, Recording, with_context
+from pipeline.stages.diagnosis import diagnose
+
+N, RATE = 1800, 50.0
+PHASE = 2.0 * np.pi * np.arange(N) / 200
+PULL = 60.0 + 40.0 * np.sin(PHASE) * (0.7 + 0.3 * np.cos(PHASE / 3.0))
+WRAP, NOISE = 0.3, 0.3
+
+
+def rigid(pull, wrap):
+    """The capstan equation with the sign of the velocity."""
+    return pull * np.exp(-wrap * np.sign(np.gradient(pull)))
+
+
+def sheathed(pull, wrap):
+    """What comes out of a sheath: it stands still until the pull is past friction either way."""
+    out, at = np.empty(len(pull)), pull[0]
+    for k, here in enumerate(pull):
+        at = min(max(at, here * np.exp(-wrap)), here * np.exp(wrap))
+        out[k] = at
+    return out
+
+
+@pytest.fixture(scope="module")
+def found():
+    measured = sheathed(PULL, WRAP) + np.random.default_rng(3).normal(0.0, NOISE, N)
+    channels = (
+        Channel("tension_in_n", "command", "N"),
+        Channel("tension_out_n", "measurement", "N"),
+        Channel("tension_out_sim_n", "simulation", "N", of="tension_out_n"),
+    )
+    columns = {
+        "time_s": np.arange(N) / RATE,
+        "tension_in_n": PULL,
+        "tension_out_n": measured,
+        "tension_out_sim_n": rigid(PULL, 0.15),
+    }
+    table = with_context(pd.DataFrame(columns), channels)
+    return diagnose(DiagnosisConfig(), Recording(table, channels, "simulated")).diagnoses[0]
+
+
+def test_a_sheath_is_named_with_all_its_friction_beside_a_rigid_simulation_of_half_of_it(found):
+    (friction,) = found.physics
+    assert friction.name == "friction"
+    assert friction.parameters[0].name == "wrap"
+    assert friction.parameters[0].value == pytest.approx(WRAP, rel=0.03)
+    assert found.after.heldout_rmse < 1.1 * NOISE
+
+
+def test_before_stays_the_simulation_as_it_came_and_the_notes_say_what_stands_for_it(found):
+    off = sheathed(PULL, WRAP) - rigid(PULL, 0.15)
+    assert found.before.train_rmse == pytest.approx(np.sqrt(np.mean(off**2)), rel=0.1)
+    assert any("jumps with the direction of tension_in_n" in note for note in found.notes)
+
+
+def test_no_lens_and_no_weight_bends_a_force(found):
+    assert {"camera_tilt", "lens_distortion", "gravity"} <= set(found.not_excited)
+
+
+def test_what_slides_over_or_is_one_curve_does_not_jump():
+    assert between_branches({"pull": PULL}, play(PULL, 8.0, 0.0)) is None
+    assert between_branches({"pull": PULL}, 0.7 * PULL - 1e-3 * PULL**2) is None
+
+
+def test_rows_before_the_motion_begins_do_not_count():
+    still = np.full(100, PULL[0])
+    pull = np.concatenate([still, PULL])
+    middle = between_branches({"pull": pull}, np.concatenate([still, rigid(PULL, 0.15)]))
+    assert middle is not None
+    assert np.max(np.abs(middle / pull / np.cosh(0.15) - 1.0)) < 0.01
