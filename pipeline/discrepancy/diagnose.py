@@ -9,6 +9,7 @@ from pipeline.discrepancy.judgement.cycle_zero import wanders_by_cycle
 from pipeline.discrepancy.judgement.decision import decided
 from pipeline.discrepancy.judgement.faint import without_faint
 from pipeline.discrepancy.judgement.force_rest import left_by, mean_square
+from pipeline.discrepancy.judgement.form import form_note, names_of_form
 from pipeline.discrepancy.judgement.named import named_physics, verdict_of
 from pipeline.discrepancy.judgement.notes import accuracy_note, notes, smooth_error
 from pipeline.discrepancy.judgement.refit import likeliest, refitted
@@ -61,7 +62,9 @@ def diagnose_measurement(
         model = going_on(model, problem, explanation, best)
     model = replace(model, end=end_of(problem.motion, model.later or model.mechanism))
     evidence = evidence_of(recording, measurement, problem, explanation, model, hypotheses)
-    physics = () if accurate else named_physics(explanation, best, evidence, structure, covariance)
+    formal = names_of_form(explanation, best)
+    named = named_physics(explanation, best, evidence, structure, covariance)
+    physics = () if accurate else tuple(p for p in named if p.name not in formal)
     noise = reported_noise(explanation, best, structure, model)
     if wanders_by_cycle(best) and any(p.name == Drift.name for p in physics):
         noise = replace(noise, jitter=0.0)
@@ -85,6 +88,7 @@ def diagnose_measurement(
         next_experiment=None,
         notes=(
             *(accuracy_note(explanation, best) if accurate else ()),
+            *form_note(formal),
             *notes(problem, explanation, best, evidence, every),
         ),
     )

@@ -1,34 +1,49 @@
 """Names that explain so little of a mismatch that they are the form of the others."""
 
+from collections.abc import Mapping
 from dataclasses import replace
 
+import numpy as np
+
 from pipeline.discrepancy.fitting.fit import evaluate, improve
-from pipeline.discrepancy.judgement.verdict import FORM_ERROR, mean_square
+from pipeline.discrepancy.judgement.verdict import mean_square
 from pipeline.discrepancy.search.choose import Choice, names
 from pipeline.discrepancy.search.explain import Explanation
 
-LEAST_SHARE = 0.03
+LEAST_SHARE, MOST_TOGETHER = 0.03, 0.05
 
 
-def without_form(explanation: Explanation, best: Choice) -> Choice:
-    """The best choice without names that explain less than LEAST_SHARE of the mismatch (RMS).
+def names_of_form(explanation: Explanation, best: Choice) -> dict[str, float]:
+    """Names of the best choice that are the form of its others, and their shares of the mismatch.
 
     A real wire is never quite the term: of what that leaves, many samples make names sure that are
-    not there. Calibration is no part of the mismatch. The name that explains least goes first, and
-    none whose going leaves FORM_ERROR of the mismatch, for that would be no mere form.
+    not there. They stay in the corrected simulation, and are not told as physics. Such a name
+    explains less than LEAST_SHARE of the mismatch (RMS), calibration apart, and all of them
+    together less than MOST_TOGETHER. The one that explains least is taken out first.
     """
     base = next(c for c in explanation.choices if not c.fit.pieces)
     before = mean_square(explanation, base) - best.fit.ground.noise.deviation**2
-    begun, told = mean_square(explanation, best), best
+    begun, told, found = mean_square(explanation, best), best, {}
     while len(names(told)) > 1:
         without = []
         for name in names(told):
             rest = [p for p in told.fit.pieces if p.term.name != name]
-            fit = improve(evaluate(told.fit.ground, rest))
-            without.append((mean_square(explanation, replace(told, fit=fit)), fit))
-        left, fit = min(without, key=lambda w: w[0])
-        explained = left - mean_square(explanation, told)
-        if explained > LEAST_SHARE**2 * before or left - begun > FORM_ERROR**2 * before:
+            trial = replace(told, fit=improve(evaluate(told.fit.ground, rest)))
+            without.append((mean_square(explanation, trial), name, trial))
+        left, name, trial = min(without, key=lambda w: w[0])
+        own = max(left - mean_square(explanation, told), 0.0)
+        if own > LEAST_SHARE**2 * before or left - begun > MOST_TOGETHER**2 * before:
             break
-        told = explanation.search.weighed(fit, told.place)
-    return told
+        found[name], told = float(np.sqrt(own / before)), trial
+    return found
+
+
+def form_note(formal: Mapping[str, float]) -> list[str]:
+    """What the corrected simulation follows besides what is named, and by how much."""
+    if not formal:
+        return []
+    said = " and ".join(f"{name} ({100.0 * share:.1f} %)" for name, share in formal.items())
+    return [
+        f"The corrected simulation also has {said} of the mismatch: so little is taken for the "
+        "form of what is named, not for physics of its own."
+    ]
