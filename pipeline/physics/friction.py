@@ -14,7 +14,7 @@ from pipeline.physics.slack import HOME, Slack
 from pipeline.physics.term import Parameter, Shown, Surroundings, Term, Told
 
 LEFT, LOOSENED, LOOSE = ((0.65, 0.3), (0.5, 0.7)), 1.4, 0.02
-SHARP = 0.2
+SHARP, CORNER = 0.2, 0.01
 WRAPPED, ASYMMETRIC = "wrapped", "driven asymmetric"
 
 
@@ -105,8 +105,9 @@ class Friction(Term):
         return signal - 0.5 * width * share, state
 
     def plainer(self, values: np.ndarray, shown: Shown) -> str:
-        """Backlash where the corners are surely sharp."""
-        return Backlash.name if shown.sharp(1) else self.name
+        """Backlash where the corners are surely sharp, or far smaller than the loop is wide."""
+        corner = not self.before_curve and values[1] < CORNER * values[0]
+        return Backlash.name if corner or shown.sharp(1) else self.name
 
     def instead(self, values: np.ndarray, motion: Motion, around: Surroundings) -> Sequence[Told]:
         """Less of it beside slack; for what grows with the bend creep that grows with the pull.
