@@ -36,6 +36,7 @@ class Contact(Term):
     grows: ClassVar = {
         side: tuple(f"{side} {how}" for how in ("unloading", HARDENING)) for side in SIDES
     }
+    also_on_both = ("compliance",)  # as where either of two wires hangs slack beyond an angle
     means = "stiffer beyond an angle on one side"
     says = "Beyond {angle} on one side it touches something and gets stiffer."
 

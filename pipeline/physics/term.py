@@ -128,7 +128,8 @@ class Term:
     beyond: what its form says that the catalogue has no name for; "" where its name says all.
     beyond_alone: the same of a form that its name covers beside another of it, or where it ties.
     unlikely: how much less likely than others it is in its form, in -2 log odds.
-    also: names that tell what this form does as well as its own.
+    also: names that tell what this form does as well as its own; also_on_both: where it stands on
+    both sides.
     mistaken_for: the name of what may be this instead, if it looks like that in disguise, or is
     behind it by no more than its charge.
     only_beside: what a form differs from its kin beside, and nowhere else: a name, a group, or
@@ -148,6 +149,7 @@ class Term:
     slow: ClassVar[bool] = False
     evolves: bool = False
     also: tuple[str, ...] = ()
+    also_on_both: tuple[str, ...] = ()
     mistaken_for: str = ""
     unlikely: float = 0.0
     beyond: str = ""

@@ -78,3 +78,13 @@ def test_what_another_name_tells_as_well_is_listed_and_ties(ground, name, form, 
 def test_play_of_one_width_is_no_friction(ground):
     play = chosen(ground, 0.0, backlash=[2.0])
     assert "friction" not in standing("backlash", play, [play], ground.problem).alternatives
+
+
+def test_what_touches_on_both_sides_may_as_well_be_soft(ground):
+    lower = Piece(term("contact", "lower"), np.array([0.3, -20.0, 1.0]))
+    upper = Piece(term("contact", "upper"), np.array([0.3, 20.0, 1.0]))
+    for pieces, alternatives in (([lower], ()), ([lower, upper], ("compliance",))):
+        best = Choice(evaluate(ground, pieces), (0, 0, 0), 0.0)
+        found = standing("contact", best, [best], ground.problem)
+        assert found.alternatives == alternatives
+        assert found.tied == bool(alternatives)

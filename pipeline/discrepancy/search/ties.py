@@ -70,7 +70,9 @@ def standing(name: str, best: Choice, choices: list[Choice], problem: Problem) -
     every = (*([name] if steady else []), *(BENDS & set(tied)))
     alike = [n for one in every for n in equivalents(one, problem)]
     like = dict.fromkeys([*looks_so, *sorted(alike)])
-    tied += [n for term in own for n in term.also if n not in names(best) | set(tied)]
+    both = len({t.side for t in own}) > 1
+    also = dict.fromkeys(n for t in own for n in (*t.also, *(t.also_on_both if both else ())))
+    tied += [n for n in also if n not in names(best) | set(tied)]
     known = [n for n in like if n not in names(best) | set(tied)]
     unsettled = bool(tied) or bool(name in BENDS and known)
     return Standing(probability, tuple(sorted(tied) + known), unsettled)
