@@ -77,3 +77,9 @@ def test_rows_before_the_motion_begins_do_not_count():
     middle = between_branches({"pull": pull}, np.concatenate([still, rigid(PULL, 0.15)]))
     assert middle is not None
     assert np.max(np.abs(middle / pull / np.cosh(0.15) - 1.0)) < 0.01
+
+
+def test_what_comes_late_does_not_jump():
+    pull = 60.0 + 40.0 * np.sin(PHASE)
+    assert between_branches({"pull": pull}, 60.0 + 40.0 * np.sin(PHASE - 0.5)) is None
+    assert between_branches({"pull": PULL}, np.interp(PHASE - 0.5, PHASE, PULL)) is None

@@ -19,8 +19,11 @@ def names_of_form(explanation: Explanation, best: Choice) -> dict[str, float]:
     A real wire is never quite the term: of what that leaves, many samples make names sure that are
     not there. They stay in the corrected simulation, and are not told as physics. Such a name
     explains less than LEAST_SHARE of the mismatch (RMS), calibration apart, and all of them
-    together less than MOST_TOGETHER. The one that explains least is taken out first.
+    together less than MOST_TOGETHER. The one that explains least is taken out first. Of a force
+    against motion none is one: beside a weight or a spring, friction is small.
     """
+    if explanation.problem.derivatives is not None:
+        return {}
     base = next(c for c in explanation.choices if not c.fit.pieces)
     before = mean_square(explanation, base) - best.fit.ground.noise.deviation**2
     begun, told, found = mean_square(explanation, best), best, {}

@@ -8,7 +8,7 @@ import numpy as np
 from pipeline.physics.kinematics import SampledCurve, sampled_curve
 from pipeline.recording import reversals_of
 
-ON_BRANCH, BETWEEN, APART = 2e-3, 0.15, 5e-3
+ON_BRANCH, BETWEEN, APART, STEPS, AT_ONCE = 2e-3, 0.15, 5e-3, 6.0, 0.5
 FEWEST, LEAST_EACH, STEADY, FEW_OF_ALL = 40, 0.1, 0.9, 0.02
 TURNS, KNOTS, FAR = 3, 60, 0.01
 
@@ -21,7 +21,8 @@ def between_branches(
     There is one where the simulation is one static curve of a command while that rises, another
     while it falls, and changes from one to the other at once when it turns round: so does rigid
     friction, as of the capstan equation with the sign of the velocity. What slides over, as play
-    does, is none. Rows in which both stand do not count.
+    and lags do, is none, nor is a jump of few steps, which these may be, too, or a loop that closes
+    where it turns. Rows in which both stand do not count.
     """
     found = (middle_of(u, simulated) for u in commands.values())
     return next((middle for middle in found if middle is not None), None)
@@ -29,13 +30,12 @@ def between_branches(
 
 def middle_of(command: np.ndarray, simulated: np.ndarray) -> np.ndarray | None:
     """The middle (n,) of two branches of a simulation over a command, (n,) each; None if none."""
-    rising = rising_rows(command)
+    rising, turns = rising_rows(command), reversals_of(command)
     moving = np.abs(np.diff(simulated, prepend=simulated[:1])) > 0.0
     rows = np.flatnonzero(moving & np.isfinite(simulated) & np.isfinite(command))
-    if len(rows) < FEWEST:
+    if len(rows) < FEWEST or not len(turns):
         return None
     u, s, way = command[rows], simulated[rows], rising[rows]
-    span = float(np.ptp(s))
     up = way
     for _ in range(TURNS):
         if not LEAST_EACH < np.mean(up) < 1.0 - LEAST_EACH:
@@ -43,12 +43,15 @@ def middle_of(command: np.ndarray, simulated: np.ndarray) -> np.ndarray | None:
         branches = [smooth_curve(u[b], s[b]) for b in (up, ~up)]
         off = np.array([np.abs(s - branch(u)) for branch in branches])
         up = off[0] < off[1]
-    apart = np.abs(branches[0](u) - branches[1](u))
+    span, step = float(np.ptp(s)), float(np.median(np.abs(np.diff(s))))
+    apart, jump = (np.abs(branches[0](v) - branches[1](v)) for v in (u, command[turns]))
     astray = int(np.sum(off.min(axis=0) > ON_BRANCH * span + BETWEEN * apart))
     astray += int(np.sum(left_behind(command, moving)))
-    turning = min(TURNS * (len(reversals_of(command)) + 1), FEW_OF_ALL * len(rows))
-    steady = float(np.mean(up == way)) > STEADY
-    if astray > turning or np.median(apart) < APART * span or not steady:
+    if astray > min(TURNS * (len(turns) + 1), FEW_OF_ALL * len(rows)):
+        return None
+    far = np.median(apart) > max(APART * span, STEPS * step)
+    at_once = np.mean(jump) > AT_ONCE * np.median(apart)
+    if not (far and at_once and np.mean(up == way) > STEADY):
         return None
     return np.asarray(0.5 * (branches[0](command) + branches[1](command)))
 
