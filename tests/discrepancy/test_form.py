@@ -16,11 +16,11 @@ from tests.discrepancy.made import explained, recorded
 RIPPLE = term("transmission_ripple")
 
 
-@pytest.mark.parametrize(("amplitude", "formal"), [(0.1, {RIPPLE.name}), (1.0, set())])
-def test_what_explains_less_than_three_hundredths_of_a_mismatch_is_its_form(amplitude, formal):
+@pytest.mark.parametrize(("amplitude", "formal"), [(0.05, {RIPPLE.name}), (0.2, set())])
+def test_what_explains_less_than_a_hundredth_of_a_mismatch_is_its_form(amplitude, formal):
     ripple = {"amplitude": amplitude, "period": 30.0, "phase": 1.0}
     hidden = {"backlash": {"width": 12.0}, RIPPLE.name: ripple}
-    found = explained(recorded(hidden, noise=0.02, seed=1))
+    found = explained(recorded(hidden, noise=0.01, seed=1))
     ground = next(c for c in found.choices if "backlash" in c.fit.names).fit.ground
     play = Piece(term("backlash"), np.array([12.0]))
     both = improve(evaluate(ground, [play, Piece(RIPPLE, np.array([amplitude, 30.0, 1.0]))]))
@@ -34,9 +34,9 @@ def test_the_only_name_is_no_form_however_little_it_explains():
 
 
 def test_a_name_of_form_is_told_in_the_notes_and_stays_in_the_corrected_simulation():
-    ripple = {"amplitude": 0.1, "period": 30.0, "phase": 1.0}
-    seen = recorded({"backlash": {"width": 12.0}, RIPPLE.name: ripple}, noise=0.02, seed=1)
+    ripple = {"amplitude": 0.05, "period": 30.0, "phase": 1.0}
+    seen = recorded({"backlash": {"width": 12.0}, RIPPLE.name: ripple}, noise=0.01, seed=1)
     (found,) = diagnose(DiagnosisConfig(), seen).diagnoses
     assert [p.name for p in found.physics] == ["backlash"]
     assert any(RIPPLE.name in note and "form of what is named" in note for note in found.notes)
-    assert found.after.heldout_rmse < 1.1 * 0.02
+    assert found.after.heldout_rmse < 1.1 * 0.01

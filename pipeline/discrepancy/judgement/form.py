@@ -10,7 +10,7 @@ from pipeline.discrepancy.judgement.verdict import mean_square
 from pipeline.discrepancy.search.choose import Choice, names
 from pipeline.discrepancy.search.explain import Explanation
 
-LEAST_SHARE, MOST_TOGETHER = 0.03, 0.05
+LEAST_SHARE, MOST_TOGETHER = 0.01, 0.02
 
 
 def names_of_form(explanation: Explanation, best: Choice) -> dict[str, float]:
