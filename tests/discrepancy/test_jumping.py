@@ -83,3 +83,18 @@ def test_what_comes_late_does_not_jump():
     pull = 60.0 + 40.0 * np.sin(PHASE)
     assert between_branches({"pull": pull}, 60.0 + 40.0 * np.sin(PHASE - 0.5)) is None
     assert between_branches({"pull": PULL}, np.interp(PHASE - 0.5, PHASE, PULL)) is None
+
+
+def test_a_command_that_rests_between_its_steps_may_be_noisy():
+    rng = np.random.default_rng(4)
+    levels = rng.uniform(20.0, 100.0, 24)
+    at = np.arange(2400) / 100.0
+    pull = (
+        np.interp(at % 1.0, [0.0, 0.4], [0.0, 1.0]) * np.diff(levels, prepend=60.0)[at.astype(int)]
+    )
+    pull += np.concatenate([[60.0], levels[:-1]])[at.astype(int)]
+    way = np.sign(np.gradient(pull))
+    noisy = pull + rng.normal(0.0, 0.1, len(pull))
+    middle = between_branches({"pull": noisy}, noisy * np.exp(-0.15 * way))
+    assert middle is not None
+    assert np.median(np.abs(middle / pull / np.cosh(0.15) - 1.0)) < 0.01

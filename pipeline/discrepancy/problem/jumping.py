@@ -10,7 +10,9 @@ from pipeline.recording import reversals_of
 
 ON_BRANCH, BETWEEN, APART, STEPS, AT_ONCE = 2e-3, 0.15, 5e-3, 6.0, 0.5
 FEWEST, LEAST_EACH, STEADY, FEW_OF_ALL = 40, 0.1, 0.9, 0.02
-TURNS, KNOTS, FAR = 3, 60, 0.01
+ROUNDS, KNOTS, FAR = 3, 60, 0.01
+BESIDE, SLOW, FAST, CLEARLY = 5, 0.02, 0.95, 6.0
+OF_NOISE = 0.6745 * np.sqrt(6.0)
 
 
 def between_branches(
@@ -22,7 +24,7 @@ def between_branches(
     while it falls, and changes from one to the other at once when it turns round: so does rigid
     friction, as of the capstan equation with the sign of the velocity. What slides over, as play
     and lags do, is none, nor is a jump of few steps, which these may be, too, or a loop that closes
-    where it turns. Rows in which both stand do not count.
+    where it turns. Rows in which the command rests do not count.
     """
     found = (middle_of(u, simulated) for u in commands.values())
     return next((middle for middle in found if middle is not None), None)
@@ -32,12 +34,12 @@ def middle_of(command: np.ndarray, simulated: np.ndarray) -> np.ndarray | None:
     """The middle (n,) of two branches of a simulation over a command, (n,) each; None if none."""
     rising, turns = rising_rows(command), reversals_of(command)
     moving = np.abs(np.diff(simulated, prepend=simulated[:1])) > 0.0
-    rows = np.flatnonzero(moving & np.isfinite(simulated) & np.isfinite(command))
+    rows = np.flatnonzero(moving & going(command) & np.isfinite(simulated))
     if len(rows) < FEWEST or not len(turns):
         return None
     u, s, way = command[rows], simulated[rows], rising[rows]
     up = way
-    for _ in range(TURNS):
+    for _ in range(ROUNDS):
         if not LEAST_EACH < np.mean(up) < 1.0 - LEAST_EACH:
             return None
         branches = [smooth_curve(u[b], s[b]) for b in (up, ~up)]
@@ -47,7 +49,7 @@ def middle_of(command: np.ndarray, simulated: np.ndarray) -> np.ndarray | None:
     apart, jump = (np.abs(branches[0](v) - branches[1](v)) for v in (u, command[turns]))
     astray = int(np.sum(off.min(axis=0) > ON_BRANCH * span + BETWEEN * apart))
     astray += int(np.sum(left_behind(command, moving)))
-    if astray > min(TURNS * (len(turns) + 1), FEW_OF_ALL * len(rows)):
+    if astray > min(len(turns) + 1, FEW_OF_ALL * len(rows)):
         return None
     far = np.median(apart) > max(APART * span, STEPS * step)
     at_once = np.mean(jump) > AT_ONCE * np.median(apart)
@@ -61,6 +63,19 @@ def smooth_curve(command: np.ndarray, simulated: np.ndarray) -> SampledCurve:
     parts = np.array_split(np.argsort(command), min(KNOTS, len(command)))
     at, answer = ([float(v[part].mean()) for part in parts] for v in (command, simulated))
     return sampled_curve(np.array(at), np.array(answer))
+
+
+def going(command: np.ndarray) -> np.ndarray:
+    """Rows (n,) before and after which a command (n,) goes on, by more than its noise.
+
+    At rest it has no direction, and where it comes to rest none that is sure.
+    Its noise is what second differences of neighbouring samples show (median).
+    """
+    noise = float(np.median(np.abs(np.diff(command, 2)))) / OF_NOISE
+    padded = np.pad(command, BESIDE, mode="edge")
+    before, after = padded[: -2 * BESIDE], padded[2 * BESIDE :]
+    far = np.minimum(np.abs(command - before), np.abs(after - command))
+    return np.asarray(far > max(SLOW * float(np.quantile(far, FAST)), CLEARLY * noise))
 
 
 def left_behind(command: np.ndarray, moving: np.ndarray) -> np.ndarray:
