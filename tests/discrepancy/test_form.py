@@ -7,7 +7,7 @@ import pytest
 
 from pipeline.config import DiagnosisConfig
 from pipeline.discrepancy.fitting.fit import evaluate, improve
-from pipeline.discrepancy.judgement.form import names_of_form
+from pipeline.discrepancy.judgement.form import names_of_form, one_for_many
 from pipeline.physics.catalogue import term
 from pipeline.physics.mechanism import Piece
 from pipeline.stages.diagnosis import diagnose
@@ -40,3 +40,21 @@ def test_a_name_of_form_is_told_in_the_notes_and_stays_in_the_corrected_simulati
     assert [p.name for p in found.physics] == ["backlash"]
     assert any(RIPPLE.name in note and "form of what is named" in note for note in found.notes)
     assert found.after.heldout_rmse < 1.1 * 0.01
+
+
+@pytest.mark.parametrize(("amplitude", "alone"), [(0.04, True), (1.0, False)])
+def test_one_name_that_leaves_hardly_more_is_told_instead_of_a_pile(amplitude, alone):
+    ripple = {"amplitude": amplitude, "period": 30.0, "phase": 1.0}
+    hidden = {"backlash": {"width": 12.0}, RIPPLE.name: ripple}
+    found = explained(recorded(hidden, noise=0.01, seed=1))
+    single = next(c for c in found.choices if c.fit.names == ("backlash",))
+    pieces = [
+        *single.fit.pieces,
+        Piece(RIPPLE, np.array([amplitude, 30.0, 1.0])),
+        Piece(term("drift"), np.array([1e-3])),
+    ]
+    pile = replace(single, fit=improve(evaluate(single.fit.ground, pieces)), score=-1e6)
+    told = one_for_many(replace(found, choices=[pile, *found.choices]), pile)
+    assert told is (single if alone else pile)
+    both = replace(pile, fit=evaluate(single.fit.ground, pieces[:2]))
+    assert one_for_many(found, both) is both

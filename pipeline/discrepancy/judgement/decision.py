@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from pipeline.discrepancy.fitting.charge import absurd_calibration
+from pipeline.discrepancy.judgement.form import one_for_many
 from pipeline.discrepancy.judgement.proof import counted_errors, disproved, strained
 from pipeline.discrepancy.judgement.rivals import mechanism_of
 from pipeline.discrepancy.judgement.structure import Structure, share_left, structure_of
@@ -29,6 +30,7 @@ from pipeline.discrepancy.search.foretold import foretold_part, testable
 def decided(problem: Problem, explanation: Explanation) -> tuple[Choice, Structure, bool]:
     """What stays of the best choice, the structured rest, and whether the accuracy decided."""
     best = sure_of_slow(explanation, undisguised(explanation.choices))
+    best = one_for_many(explanation, best)
     structure = structure_of(explanation, best)
     base = next(c for c in explanation.choices if not c.fit.pieces)
     if within_accuracy(base, explanation.used):

@@ -10,7 +10,7 @@ from pipeline.discrepancy.judgement.verdict import mean_square
 from pipeline.discrepancy.search.choose import Choice, names
 from pipeline.discrepancy.search.explain import Explanation
 
-LEAST_SHARE, MOST_TOGETHER = 0.01, 0.02
+LEAST_SHARE, MOST_TOGETHER, MANY = 0.01, 0.02, 3
 
 
 def names_of_form(explanation: Explanation, best: Choice) -> dict[str, float]:
@@ -24,8 +24,7 @@ def names_of_form(explanation: Explanation, best: Choice) -> dict[str, float]:
     """
     if explanation.problem.derivatives is not None:
         return {}
-    base = next(c for c in explanation.choices if not c.fit.pieces)
-    before = mean_square(explanation, base) - best.fit.ground.noise.deviation**2
+    before = mismatch_of(explanation, best)
     begun, told, found = mean_square(explanation, best), best, {}
     while len(names(told)) > 1:
         without = []
@@ -39,6 +38,26 @@ def names_of_form(explanation: Explanation, best: Choice) -> dict[str, float]:
             break
         found[name], told = float(np.sqrt(own / before)), trial
     return found
+
+
+def one_for_many(explanation: Explanation, best: Choice) -> Choice:
+    """The best choice, or one name where that leaves hardly more than MANY names leave together.
+
+    Beyond what they leave it leaves less than LEAST_SHARE of the mismatch (RMS): its form, which
+    they mop up, each in a course of its own.
+    """
+    if explanation.problem.derivatives is not None or len(names(best)) < MANY:
+        return best
+    most = mean_square(explanation, best) + LEAST_SHARE**2 * mismatch_of(explanation, best)
+    ones = [c for c in explanation.choices if len(names(c)) == 1]
+    enough = [c for c in ones if mean_square(explanation, c) < most]
+    return min(enough, key=lambda c: c.score, default=best)
+
+
+def mismatch_of(explanation: Explanation, best: Choice) -> float:
+    """Mean square of the mismatch that calibration leaves, beyond the noise beside the best."""
+    base = next(c for c in explanation.choices if not c.fit.pieces)
+    return mean_square(explanation, base) - best.fit.ground.noise.deviation**2
 
 
 def form_note(formal: Mapping[str, float]) -> list[str]:
