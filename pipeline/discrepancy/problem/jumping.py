@@ -5,6 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from pipeline.discrepancy.problem.rough import noise_of_motion
 from pipeline.physics.kinematics import SampledCurve, sampled_curve
 from pipeline.recording import reversals_of
 
@@ -12,7 +13,6 @@ ON_BRANCH, BETWEEN, APART, STEPS, AT_ONCE = 2e-3, 0.15, 5e-3, 6.0, 0.5
 FEWEST, LEAST_EACH, STEADY, FEW_OF_ALL = 40, 0.1, 0.9, 0.02
 ROUNDS, KNOTS, FAR = 3, 60, 0.01
 BESIDE, SLOW, FAST, CLEARLY = 5, 0.02, 0.95, 6.0
-OF_NOISE = 0.6745 * np.sqrt(6.0)
 
 
 def between_branches(
@@ -69,13 +69,13 @@ def going(command: np.ndarray) -> np.ndarray:
     """Rows (n,) before and after which a command (n,) goes on, by more than its noise.
 
     At rest it has no direction, and where it comes to rest none that is sure.
-    Its noise is what second differences of neighbouring samples show (median).
     """
-    noise = float(np.median(np.abs(np.diff(command, 2)))) / OF_NOISE
     padded = np.pad(command, BESIDE, mode="edge")
     before, after = padded[: -2 * BESIDE], padded[2 * BESIDE :]
     far = np.minimum(np.abs(command - before), np.abs(after - command))
-    return np.asarray(far > max(SLOW * float(np.quantile(far, FAST)), CLEARLY * noise))
+    return np.asarray(
+        far > max(SLOW * float(np.quantile(far, FAST)), CLEARLY * noise_of_motion(command))
+    )
 
 
 def left_behind(command: np.ndarray, moving: np.ndarray) -> np.ndarray:
