@@ -141,7 +141,7 @@ def replaced_note(problem: Problem, best: Choice) -> list[str]:
     if np.nanmax(problem.replaced) > np.nanmin(problem.replaced):
         return [
             f"The simulation jumps with the direction of {problem.drive}, as rigid friction does: "
-            "the middle of its two branches stands in its place, and the names below hold all "
+            "the middle of its two branches stands in its place, and what is named holds all "
             "friction, that of the simulation too."
         ]
     unit, drive = f"{problem.around.angle_unit}/{problem.around.drive_unit}", problem.motion.drive
