@@ -14,6 +14,7 @@ from pipeline.physics.coulomb_friction import CoulombFriction
 from pipeline.physics.coupling import OFFERED, Coupling
 from pipeline.physics.creep import Creep
 from pipeline.physics.drift import Drift
+from pipeline.physics.driven_bank import DrivenBank
 from pipeline.physics.driven_stretch import DrivenStretch
 from pipeline.physics.end_stop import EndStop
 from pipeline.physics.force_contact import ForceContact
@@ -69,6 +70,7 @@ PRESSED = tuple(
         "bristle bent loaded",
     )
 )
+DRIVEN = Friction("driven")
 SPRUNG, LATE_DAMPER = ViscousFriction("sprung"), LateDamper()
 LATE = (ForceLag(), ForceLag(SWINGING), FrameLag(OLD))
 WORN, QUEUE = WornPlay(), QueuedFrames()
@@ -100,7 +102,7 @@ def terms(other_commands: Iterable[str] = ()) -> tuple[Term, ...]:
         Backlash(),
         CoastingPlay(),
         Friction(),
-        Friction("driven"),
+        DRIVEN,
         CapstanFriction(),
         CapstanFriction("capstan begun"),
         CapstanFriction("pretensioned"),
@@ -207,6 +209,8 @@ def richer(term: Term) -> tuple[Term, ...]:
     """
     if term.name == TransmissionRipple.name:
         return (*term.richer(), *RIPPLES.get(term.form, ()))
+    if term.name == DRIVEN.name and term.form in ("symmetric", DRIVEN.form):
+        return (*term.richer(), DrivenBank())
     if term.group != BEND:
         return term.richer()
     return (*term.richer(), RISING if term.form == BENDING.form else BENDING)

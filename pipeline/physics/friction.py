@@ -30,9 +30,11 @@ class Friction(Term):
     bends rubs the more the further that is bent (first term of the capstan's power series), and so
     does one that is pulled the more: where it is slack at home, by many times as much.
     Form "driven" is a bristle that the drive bends, x = u - width / 2 z(u), as models of tendons in
-    sheaths have it, over no shorter a reach than keeps the joint from moving against the drive; it
-    is told by what it holds back at the joint, like the others. In form "driven asymmetric" it is
-    held more in one direction than in the other.
+    sheaths have it, over no shorter a reach than width / 2: else the joint went back where it is
+    driven on. One that lets go faster than it takes hold carries a joint on for a while that is
+    driven back (Dahl's by twice what it takes hold). It is told by what it holds back at the joint,
+    like the others. In form "driven asymmetric" it is held more in one direction than in the other;
+    where a distribution of slip elements holds it, see `driven_bank.py`.
     Sources: Euler (1769); Iwan (1966); Al-Bender and Swevers, IEEE Control Systems 28(6) (2008) 64.
     """
 
@@ -99,7 +101,7 @@ class Friction(Term):
     ) -> tuple[np.ndarray, np.ndarray]:
         width, reach, release = values[:3]
         asymmetry = float(values[3]) if self.form == ASYMMETRIC else 0.0
-        forward = max(reach, 0.5 * width * (1.0 + abs(asymmetry)) * (1.0 + release))
+        forward = max(reach, 0.5 * width * (1.0 + abs(asymmetry)))
         share, state = dragging(signal, forward, release, state)
         share = weighted(share, asymmetry)
         return signal - 0.5 * width * share, state

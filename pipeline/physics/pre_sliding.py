@@ -56,8 +56,14 @@ def sliding(
     unstressed. Source: Iwan, J. Appl. Mech. 33 (1966) 893; Al-Bender, Lampaert and Swevers, IEEE
     Trans. Autom. Control 50 (2005) 1883 (generalized Maxwell-slip).
     """
-    reaches = reaches_of(reach, spread, elements)
-    carried = np.zeros(elements) if state is None else state[1:].copy()
+    return slipped(position, reaches_of(reach, spread, elements), state)
+
+
+def slipped(
+    position: np.ndarray, reaches: np.ndarray, state: np.ndarray | None
+) -> tuple[np.ndarray, np.ndarray]:
+    """As `sliding`, of elements of any reaches, (elements,) [position's unit], all as strong."""
+    carried = np.zeros(len(reaches)) if state is None else state[1:].copy()
     at = float(position[0]) if state is None else float(state[0])
     out = _slipped(np.ascontiguousarray(position), at, reaches, carried)
     return out, np.concatenate([position[-1:], carried])
