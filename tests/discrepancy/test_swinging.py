@@ -1,9 +1,19 @@
 """A joint that swings after each step."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
-from tests.discrepancy.made import ANGLE, changed, diagnosed, followed, names, recorded
+from tests.discrepancy.made import (
+    ANGLE,
+    changed,
+    diagnosed,
+    followed,
+    names,
+    recorded,
+    value_of,
+)
 
 
 @pytest.mark.parametrize(
@@ -47,3 +57,28 @@ def test_what_swings_at_a_steady_pace_is_not_told_as_an_old_frame_alone():
     (found,) = diagnosed(followed(time_s, drive, seen + noise, 0.3)).diagnoses
     assert [p.name for p in found.physics] == ["response_lag"]
     assert found.after.heldout_rmse < 0.32
+
+
+def test_what_swings_is_found_behind_play_that_grows_and_before_an_old_frame():
+    """Steps of any size with pauses that differ: creep beside an old frame comes near the swing."""
+    rng = np.random.default_rng(8)
+    turns = np.concatenate([[0.0], rng.uniform(15.0, 55.0, 40) * (-1.0) ** np.arange(40)])
+    drive = np.concatenate([np.linspace(a, b, 30, False) for a, b in pairwise(turns)])
+    time_s = np.cumsum(rng.choice([1.5, 3.0, 6.0], 40).repeat(30))
+    widths = np.linspace(1.5, 4.0, len(drive))
+    frequency, damping, fine = 0.35, 0.45, 40
+    at, speed, held, poses = 0.0, 0.0, 0.0, np.empty(len(drive))
+    for k, u in enumerate(drive):
+        held = min(max(held, u - 0.5 * widths[k]), u + 0.5 * widths[k])
+        step_s = (time_s[k] - time_s[k - 1] if k else 3.0) / fine
+        for _ in range(fine):
+            speed += step_s * (frequency**2 * (held - at) - 2.0 * damping * frequency * speed)
+            at += step_s * speed
+        poses[k] = at
+    rows = np.arange(len(drive))
+    seen = np.interp(rows - 0.8, rows, poses) + 0.15 * rng.standard_normal(len(drive))
+    result = diagnosed(followed(time_s, drive, seen, 0.005))
+    assert names(result) == {"tension_loss", "response_lag", "frame_lag"}
+    assert result.diagnoses[0].after.heldout_rmse < 0.165
+    lag = value_of(result, "response_lag", "natural_frequency")
+    assert abs(lag.value - frequency) < 0.02

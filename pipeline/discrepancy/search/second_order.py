@@ -4,10 +4,18 @@ from collections.abc import Sequence
 
 from pipeline.discrepancy.fitting.fit import Fit, evaluate, improve
 from pipeline.discrepancy.fitting.ground import Ground
-from pipeline.discrepancy.fitting.screen import late
-from pipeline.discrepancy.search.choose import MOST_TERMS, Choice, Search, best_of_each, extended
+from pipeline.discrepancy.fitting.screen import late, screen, started
+from pipeline.discrepancy.search.choose import (
+    MOST_TERMS,
+    Choice,
+    Search,
+    best_of_each,
+    by_term,
+    extended,
+)
 from pipeline.discrepancy.search.polish import polished
 from pipeline.discrepancy.search.refuted import misfits, refuted
+from pipeline.physics.frame_lag import FrameLag
 from pipeline.physics.mechanism import Piece
 from pipeline.physics.response_lag import ResponseLag
 
@@ -22,15 +30,19 @@ def swinging(search: Search, choices: list[Choice]) -> list[Choice]:
     At a steady pace what swings is ahead of its command or behind it by about as much all the time:
     play comes near the one, nothing without inertia the other. So no first-order lag is on the way,
     and what was added beside play to mop up the rest is polished away. The lag takes the place of
-    all that comes late, or stands beside it.
+    all that comes late, or stands beside it; beside an old frame what creeps may be a swing.
     """
     best, known = choices[0], any(t.name == SWINGING.name for t in search.terms)
-    lagging = any(p.term.group == SWINGING.group for p in best.fit.pieces)
-    resolved = best.fit.ground.noise.deviation > RESOLVED * search.family.prior.finest
-    if not (known and resolved and unsure(search, best)) or lagging:
-        return choices
     behind = late(best.fit)
-    rest = best.fit.without(*behind)
+    other = [p for p in behind if p.term.name != FrameLag.name]
+    lagging = any(p.term.group == SWINGING.group for p in other)
+    creeps = len(other) < len(behind) and any(p.term.remembers == "time" for p in other)
+    resolved = best.fit.ground.noise.deviation > RESOLVED * search.family.prior.finest
+    if lagging:
+        return with_old_frame(search, choices)
+    if not (known and resolved and (creeps or unsure(search, best))):
+        return choices
+    rest = best.fit.without(*other)
     for beside in (rest, best.fit.pieces)[: 1 + bool(behind)]:
         swung = search.weighed(begun(best.fit.ground, beside), best.place)
         found = [swung, *extended(search, swung)] if len(beside) < MOST_TERMS else [swung]
@@ -39,6 +51,23 @@ def swinging(search: Search, choices: list[Choice]) -> list[Choice]:
         if not (refuted(search, choices[0]) or misfits(search, choices[0])):
             break
     return choices
+
+
+def with_old_frame(search: Search, choices: list[Choice]) -> list[Choice]:
+    """The choices (best first), with an old frame beside a swing where that is better.
+
+    An old frame and a lag without inertia are one in most motions, so that no search has both.
+    """
+    best = choices[0]
+    old = [t for t in search.terms if t.name == FrameLag.name]
+    if len(best.fit.pieces) == MOST_TERMS or all(
+        p.term.form != SWINGING.form for p in late(best.fit)
+    ):
+        return choices
+    leads = by_term(screen(best.fit, search.effects, old))
+    trials = [improve(started(best.fit, few)) for few in leads]
+    both = search.better(best, min(trials, key=lambda t: t.cost, default=best.fit))
+    return choices if both is best else polished(search, best_of_each([both, *choices]))
 
 
 def unsure(search: Search, choice: Choice) -> bool:
