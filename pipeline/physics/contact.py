@@ -6,12 +6,14 @@ from typing import ClassVar
 import numpy as np
 
 from pipeline.physics.balance import Load
+from pipeline.physics.compliance import Compliance
 from pipeline.physics.end_stop import EndStop
 from pipeline.physics.motion import Motion
 from pipeline.physics.softer_side import SofterSide
 from pipeline.physics.term import Parameter, Surroundings, Term, Told
 
 STIFFEST, STEEPEST, GRADUALLY, WIDER = 6.0, 30.0, 0.99, 1.5
+AT_HOME = 0.02
 SIDES, HARDENING, LOSSY = ("upper", "lower"), "hardening", "lossy"
 
 
@@ -36,7 +38,7 @@ class Contact(Term):
     grows: ClassVar = {
         side: tuple(f"{side} {how}" for how in ("unloading", HARDENING)) for side in SIDES
     }
-    also_on_both = ("compliance",)  # as where either of two wires hangs slack beyond an angle
+    also_on_both = (Compliance.name,)  # as where either of two wires hangs slack beyond an angle
     means = "stiffer beyond an angle on one side"
     says = "Beyond {angle} on one side it touches something and gets stiffer."
 
@@ -72,6 +74,11 @@ class Contact(Term):
         if "unloading" not in self.form:
             return own
         return (*own, pretension(around, 1e-3))
+
+    def also_at(self, values: np.ndarray, around: Surroundings) -> tuple[str, ...]:
+        """Compliance, where it is met at home: there one wire takes over, softer than the other."""
+        home = abs(values[1]) < min(values[2], AT_HOME * around.angle_span)
+        return (Compliance.name,) if home else ()
 
     def limit(self, values: np.ndarray) -> str:
         """What is stiffer than a contact can be is an end stop."""

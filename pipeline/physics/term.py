@@ -256,6 +256,10 @@ class Term:
         """
         return ()
 
+    def also_at(self, values: np.ndarray, around: Surroundings) -> tuple[str, ...]:
+        """Names that tell what it does with these values as well as its own; `also` unless said."""
+        return self.also
+
     def void(self, values: np.ndarray) -> bool:
         """Whether this amounts to no such thing; the first parameter is the size unless said."""
         return bool(values[0] == 0.0)

@@ -88,3 +88,18 @@ def test_what_touches_on_both_sides_may_as_well_be_soft(ground):
         found = standing("contact", best, [best], ground.problem)
         assert found.alternatives == alternatives
         assert found.tied == bool(alternatives)
+
+
+@pytest.mark.parametrize(
+    ("angle", "skin", "alternatives"),
+    [(0.4, 1.0, ("compliance",)), (3.0, 1.0, ()), (3.0, 4.0, ())],
+    ids=["home", "elsewhere", "gradually, elsewhere"],
+)
+def test_what_touches_at_home_may_be_the_softer_wire_on_the_other_side(
+    ground, angle, skin, alternatives
+):
+    contact = Piece(term("contact", "upper"), np.array([0.3, angle, skin]))
+    best = Choice(evaluate(ground, [contact]), (0, 0, 0), 0.0)
+    found = standing("contact", best, [best], ground.problem)
+    assert found.alternatives == alternatives
+    assert found.tied == bool(alternatives)

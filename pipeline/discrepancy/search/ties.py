@@ -65,13 +65,14 @@ def standing(name: str, best: Choice, choices: list[Choice], problem: Problem) -
             looks_so = sorted(other)
             gaps |= dict.fromkeys(other, gap) if gap < 0.0 else {}
     tied = [n for n, gap in gaps.items() if gap < TIE]
-    own = [p.term for p in best.fit.pieces if p.term.name == name]
-    steady = not any(t.goes_by or t.evolves for t in own)
+    own = [p for p in best.fit.pieces if p.term.name == name]
+    steady = not any(p.term.goes_by or p.term.evolves for p in own)
     every = (*([name] if steady else []), *(BENDS & set(tied)))
     alike = [n for one in every for n in equivalents(one, problem)]
     like = dict.fromkeys([*looks_so, *sorted(alike)])
-    both = len({t.side for t in own}) > 1
-    also = dict.fromkeys(n for t in own for n in (*t.also, *(t.also_on_both if both else ())))
+    both = len({p.term.side for p in own}) > 1
+    also = [n for p in own for n in p.term.also_at(p.values, problem.around)]
+    also = list(dict.fromkeys([*also, *(n for p in own if both for n in p.term.also_on_both)]))
     tied += [n for n in also if n not in names(best) | set(tied)]
     known = [n for n in like if n not in names(best) | set(tied)]
     unsettled = bool(tied) or bool(name in BENDS and known)
