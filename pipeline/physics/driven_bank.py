@@ -4,13 +4,14 @@ from typing import ClassVar
 
 import numpy as np
 
+from pipeline.physics.backlash import Backlash
 from pipeline.physics.friction import Friction
 from pipeline.physics.motion import Motion
 from pipeline.physics.pre_sliding import ELEMENTS, slipped, weighted
-from pipeline.physics.term import Parameter, Surroundings
+from pipeline.physics.term import Parameter, Shown, Surroundings
 
 BANK, ASYMMETRIC = "driven bank", "driven bank asymmetric"
-HEAVIEST = 3.0
+HEAVIEST, SHARP = 3.0, 0.05
 
 
 class DrivenBank(Friction):
@@ -44,12 +45,22 @@ class DrivenBank(Friction):
     def respond(
         self, signal: np.ndarray, motion: Motion, values: np.ndarray, state: np.ndarray | None
     ) -> tuple[np.ndarray, np.ndarray]:
-        width, reach, spread = values[:3]
-        asymmetry = float(values[3]) if self.form == ASYMMETRIC else 0.0
-        stops = stops_of(spread)
-        stiffest = 0.5 * width * (1.0 + abs(asymmetry)) * float(np.mean(1.0 / stops))
-        share, state = slipped(signal, max(reach, stiffest) * stops, state)
-        return signal - 0.5 * width * weighted(share, asymmetry), state
+        share, state = slipped(signal, self.reaches(values), state)
+        return signal - 0.5 * values[0] * weighted(share, self.asymmetry(values)), state
+
+    def asymmetry(self, values: np.ndarray) -> float:
+        return float(values[3]) if self.form == ASYMMETRIC else 0.0
+
+    def reaches(self, values: np.ndarray) -> np.ndarray:
+        """Of its stops, (ELEMENTS,) [drive unit], the shortest first."""
+        stops = stops_of(values[2])
+        most = 0.5 * values[0] * (1.0 + abs(self.asymmetry(values)))
+        return np.asarray(max(values[1], most * float(np.mean(1.0 / stops))) * stops)
+
+    def plainer(self, values: np.ndarray, shown: Shown) -> str:
+        """Backlash where all stops give way within a step, or little more than half the width."""
+        half, last = 0.5 * values[0], self.reaches(values)[-1]
+        return Backlash.name if last < half + max(SHARP * half, 0.5 * shown.step) else self.name
 
 
 def stops_of(spread: float) -> np.ndarray:
