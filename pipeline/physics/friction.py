@@ -16,6 +16,7 @@ from pipeline.physics.term import Parameter, Shown, Surroundings, Term, Told
 LEFT, LOOSENED, LOOSE = ((0.65, 0.3), (0.5, 0.7)), 1.4, 0.02
 SHARP, CORNER = 0.2, 0.01
 WRAPPED, ASYMMETRIC = "wrapped", "driven asymmetric"
+ON, ODDS = "driven on", 6.0
 
 
 class Friction(Term):
@@ -30,11 +31,11 @@ class Friction(Term):
     bends rubs the more the further that is bent (first term of the capstan's power series), and so
     does one that is pulled the more: where it is slack at home, by many times as much.
     Form "driven" is a bristle that the drive bends, x = u - width / 2 z(u), as models of tendons in
-    sheaths have it, over no shorter a reach than width / 2: else the joint went back where it is
-    driven on. One that lets go faster than it takes hold carries a joint on for a while that is
-    driven back (Dahl's by twice what it takes hold). It is told by what it holds back at the joint,
-    like the others. In form "driven asymmetric" it is held more in one direction than in the other;
-    where a distribution of slip elements holds it, see `driven_bank.py`.
+    sheaths have it, over no shorter a reach than keeps the joint from moving against the drive; it
+    is told by what it holds back at the joint, like the others. In form "driven asymmetric" it is
+    held more in one direction than in the other. In form "driven on", over no shorter a reach than
+    width / 2, one that lets go faster than it takes hold, as Dahl's does, carries the joint on for
+    a while where the drive turns. A distribution of slip elements: see `driven_bank.py`.
     Sources: Euler (1769); Iwan (1966); Al-Bender and Swevers, IEEE Control Systems 28(6) (2008) 64.
     """
 
@@ -46,7 +47,7 @@ class Friction(Term):
     mistaken_for = Backlash.name
     grows: ClassVar = {
         "symmetric": ("asymmetric", "bristle", "bristle asymmetric", "driven", WRAPPED),
-        "driven": (ASYMMETRIC,),
+        "driven": (ASYMMETRIC, ON),
     }
     means = "wire friction with pre-sliding: a loop with rounded corners"
     says = (
@@ -56,7 +57,8 @@ class Friction(Term):
 
     def __init__(self, form: str = "symmetric") -> None:
         self.form = form
-        self.before_curve = form in ("driven", ASYMMETRIC)
+        self.before_curve = form in ("driven", ASYMMETRIC, ON)
+        self.unlikely = ODDS if form == ON else 0.0  # what swings carries a joint on as well
         self.in_balance = not self.before_curve
 
     @property
@@ -101,7 +103,8 @@ class Friction(Term):
     ) -> tuple[np.ndarray, np.ndarray]:
         width, reach, release = values[:3]
         asymmetry = float(values[3]) if self.form == ASYMMETRIC else 0.0
-        forward = max(reach, 0.5 * width * (1.0 + abs(asymmetry)))
+        lets_go = 0.0 if self.form == ON else release
+        forward = max(reach, 0.5 * width * (1.0 + abs(asymmetry)) * (1.0 + lets_go))
         share, state = dragging(signal, forward, release, state)
         share = weighted(share, asymmetry)
         return signal - 0.5 * width * share, state

@@ -252,6 +252,17 @@ def test_a_bristle_that_the_drive_bends_moves_nothing_against_the_drive(release)
     assert np.all(np.diff(out) * np.diff(drive) >= -1e-12)
 
 
+def test_a_bristle_that_lets_go_faster_than_it_takes_hold_carries_the_joint_on():
+    motion = line(0.0, 10.0, 401)
+    drive = np.concatenate([motion.drive, motion.drive[-2::-1]])
+    motion = Motion(drive, np.arange(801.0), np.zeros(801, dtype=int))
+    out = answer(motion, Piece(Friction("driven on"), np.array([2.0, 0.5, 1.0])))
+    slope = np.diff(out) / np.diff(drive)
+    assert np.all(slope[:400] >= 0.0)
+    assert slope[400] == pytest.approx(-1.0, abs=0.05)
+    np.testing.assert_allclose(out[-1], 1.0, atol=1e-3)
+
+
 @pytest.mark.parametrize("release", [0.0, 1.0])
 def test_a_bristle_follows_its_equation_where_the_wire_is_stiff(release):
     """f' = k (1 - f / limit) with the motion, k (1 + release |f| / limit) while it still helps."""
