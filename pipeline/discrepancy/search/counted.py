@@ -27,6 +27,7 @@ SAME_COMMAND = 0.5
 TURN_ROWS = 2
 INCREDIBLE, MOST_INCREDIBLE = 4.3, 0.03
 TAKEN_BACK = 0.3
+FEWEST_BEYOND = 3
 
 
 def mistaken_rows(problem: Problem, choice: Choice, prior: NoisePrior) -> np.ndarray:
@@ -47,6 +48,7 @@ def mistaken_rows(problem: Problem, choice: Choice, prior: NoisePrior) -> np.nda
     out &= ~returning(distances(off), repeats)
     out |= isolated(off, problem.train, prior.finest, problem.cycle, repeats)
     out &= ~(usual(problem, off, prior) | leaping(problem, choice))
+    out &= ~all_beyond(problem.motion.drive, off, out)
     late = problem.train & late_rows(problem, fit.predicted, prior, repeats).aside
     return out | between_slips(problem, choice) | late
 
@@ -113,6 +115,22 @@ def usual(problem: Problem, off: np.ndarray, prior: NoisePrior) -> np.ndarray:
     stands = problem.motion.stands
     arriving = ~stands & np.append(stands[1:], False)
     return turning(problem) | alike(off, arriving, prior.finest)
+
+
+def all_beyond(drive: np.ndarray, off: np.ndarray, out: np.ndarray) -> np.ndarray:
+    """Rows (n,) of those in `out` that are all there are beyond a command, off to the same side.
+
+    So a joint meets a stop where it was seldom driven as far; mistakes fall anywhere. At least
+    FEWEST_BEYOND of those whose residuals `off` (n,) are known.
+    """
+    found = np.zeros(len(off), dtype=bool)
+    known = np.flatnonzero(np.isfinite(off))
+    for rows in (known[np.argsort(drive[known])], known[np.argsort(-drive[known])]):
+        alike = out[rows] & (off[rows] * off[rows[:1]] > 0.0)
+        count = int(np.argmin(alike))
+        if count >= FEWEST_BEYOND:
+            found[rows[:count]] = True
+    return found
 
 
 def repeats_of(problem: Problem, prior: NoisePrior) -> list[np.ndarray]:

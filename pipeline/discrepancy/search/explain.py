@@ -31,6 +31,7 @@ from pipeline.discrepancy.search.choose import (
 )
 from pipeline.discrepancy.search.contested import contested, levelled
 from pipeline.discrepancy.search.counted import (
+    all_beyond,
     mistaken_rows,
     repeats_of,
     settled_rows,
@@ -111,7 +112,7 @@ def searched(problem: Problem) -> Explanation:
     off = np.where(problem.train, problem.measured - problem.simulated, np.nan)
     repeats = repeats_of(problem, prior)
     outliers = isolated(off, problem.train, prior.finest, problem.cycle, repeats)
-    outliers &= ~usual(problem, off, prior)
+    outliers &= ~(usual(problem, off, prior) | all_beyond(problem.motion.drive, off, outliers))
     used = problem.train & settled & ~outliers
     search = Search(candidates, effects, noise_family(prior, problem, used))
     ground = ground_of(problem, prior.model, used)
