@@ -70,7 +70,7 @@ PRESSED = tuple(
         "bristle bent loaded",
     )
 )
-DRIVEN = Friction("driven")
+DRIVEN, CARRYING = Friction("driven"), Friction("driven on")
 SPRUNG, LATE_DAMPER = ViscousFriction("sprung"), LateDamper()
 LATE = (ForceLag(), ForceLag(SWINGING), FrameLag(OLD))
 WORN, QUEUE = WornPlay(), QueuedFrames()
@@ -238,7 +238,7 @@ def term(name: str, form: str = "", other_commands: Iterable[str] = ()) -> Term:
     """The term of a name (and form); TermError names those that exist."""
     found = with_richer((*terms(other_commands), *ODD, *force_terms(), *further_force_terms()))
     found += (*SHEATH_FORCES, *PRESSED, SPRUNG, *LATE, WORN, QUEUE, *UNEVEN, *RECURRING, *SKIPS)
-    found += (*RUBBING, LATE_DAMPER)
+    found += (*RUBBING, CARRYING, LATE_DAMPER)
     same = [t for t in found if t.name == name and form in ("", t.form)]
     if same:
         return next((t for t in same if t.form == form), same[0])

@@ -47,7 +47,7 @@ class Friction(Term):
     mistaken_for = Backlash.name
     grows: ClassVar = {
         "symmetric": ("asymmetric", "bristle", "bristle asymmetric", "driven", WRAPPED),
-        "driven": (ASYMMETRIC, ON),
+        "driven": (ASYMMETRIC,),
     }
     means = "wire friction with pre-sliding: a loop with rounded corners"
     says = (

@@ -15,7 +15,7 @@ from pipeline.discrepancy.search.choose import (
     simpler,
 )
 from pipeline.physics.capstan_friction import CapstanFriction
-from pipeline.physics.catalogue import BEND, OFF_CENTRE, SHEATH_FORCES
+from pipeline.physics.catalogue import BEND, CARRYING, OFF_CENTRE, SHEATH_FORCES
 from pipeline.physics.driven_slack import DrivenSlack
 from pipeline.physics.friction import Friction
 from pipeline.physics.lost_steps import TIMES, LostSteps
@@ -152,17 +152,23 @@ def merged(search: Search, choice: Choice) -> Choice:
 
 
 def sheathed(search: Search, choice: Choice) -> Choice:
-    """The choice with friction of one width replaced by a share of the pull, if that is better."""
+    """The choice with friction of one width replaced by a share of the pull, if that is better.
+
+    Or by a bristle at the drive that carries the joint on: begun with, it would hide what else is
+    there, as it comes near lags and play beside friction.
+    """
     if choice.fit.ground.problem.derivatives is not None:
         return sheathed_force(search, choice)
+    found = choice
     for i, piece in enumerate(choice.fit.pieces):
-        key = choice.fit.key | {(piece.term.name, SHEATH.form)}
-        if isinstance(piece.term, Friction) and not search.tried_in_vain(key, choice):
-            trial = search.weighed(reformed(choice.fit, i, SHEATH), choice.place)
-            if trial.score < choice.score:
-                return trial
-            search.vain[key] = choice.score, trial.score - choice.score
-    return choice
+        for term in (SHEATH, CARRYING) if isinstance(piece.term, Friction) else ():
+            key = choice.fit.key | {(piece.term.name, term.form)}
+            if not search.tried_in_vain(key, choice):
+                trial = search.weighed(reformed(choice.fit, i, term), choice.place)
+                if trial.score >= choice.score:
+                    search.vain[key] = choice.score, trial.score - choice.score
+                found = min(found, trial, key=lambda c: c.score)
+    return found
 
 
 def sheathed_force(search: Search, choice: Choice) -> Choice:
