@@ -30,6 +30,13 @@ def test_what_stands_off_wherever_the_command_is_beyond_is_no_mistake(rows, side
     np.testing.assert_array_equal(all_beyond(-DRIVE, off, out), out & met)
 
 
+def test_what_stands_off_once_at_a_command_that_comes_again_is_a_mistake():
+    drive = np.concatenate([DRIVE, DRIVE])
+    off, out = np.full(len(drive), 0.1), np.zeros(len(drive), dtype=bool)
+    out[48:53], off[48:53] = True, -4.0
+    assert not all_beyond(drive, off, out).any()
+
+
 def test_what_stands_off_there_to_both_sides_is_a_mistake():
     off, out = np.full(len(DRIVE), 0.1), np.zeros(len(DRIVE), dtype=bool)
     out[49:52], off[49:52] = True, [4.0, -4.0, 4.0]

@@ -125,11 +125,13 @@ def all_beyond(drive: np.ndarray, off: np.ndarray, out: np.ndarray) -> np.ndarra
     """
     found = np.zeros(len(off), dtype=bool)
     known = np.flatnonzero(np.isfinite(off))
-    for rows in (known[np.argsort(drive[known])], known[np.argsort(-drive[known])]):
-        alike = out[rows] & (off[rows] * off[rows[:1]] > 0.0)
-        count = int(np.argmin(alike))
-        if count >= FEWEST_BEYOND:
-            found[rows[:count]] = True
+    for way in (1.0, -1.0) if len(known) else ():
+        rows = known[np.argsort(-way * drive[known])]
+        alike = out[rows] & (off[rows] * off[rows[0]] > 0.0)
+        edge = drive[rows[np.argmin(alike)]]
+        beyond = rows[way * (drive[rows] - edge) > 0.0]
+        if len(beyond) >= FEWEST_BEYOND:
+            found[beyond] = True
     return found
 
 
