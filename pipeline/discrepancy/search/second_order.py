@@ -60,9 +60,8 @@ def with_old_frame(search: Search, choices: list[Choice]) -> list[Choice]:
     """
     best = choices[0]
     old = [t for t in search.terms if t.name == FrameLag.name]
-    if len(best.fit.pieces) == MOST_TERMS or all(
-        p.term.form != SWINGING.form for p in late(best.fit)
-    ):
+    key = (SWINGING.name, SWINGING.form)
+    if key not in best.fit.key or len(best.fit.pieces) == MOST_TERMS:
         return choices
     leads = by_term(screen(best.fit, search.effects, old))
     trials = [improve(started(best.fit, few)) for few in leads]
