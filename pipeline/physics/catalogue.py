@@ -210,7 +210,7 @@ def richer(term: Term) -> tuple[Term, ...]:
     if term.name == TransmissionRipple.name:
         return (*term.richer(), *RIPPLES.get(term.form, ()))
     if term.name == DRIVEN.name and term.form in ("symmetric", DRIVEN.form):
-        return (*term.richer(), DrivenBank())
+        return (DrivenBank(), *term.richer())
     if term.group != BEND:
         return term.richer()
     return (*term.richer(), RISING if term.form == BENDING.form else BENDING)

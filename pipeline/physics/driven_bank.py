@@ -4,14 +4,13 @@ from typing import ClassVar
 
 import numpy as np
 
-from pipeline.physics.backlash import Backlash
 from pipeline.physics.friction import Friction
 from pipeline.physics.motion import Motion
 from pipeline.physics.pre_sliding import ELEMENTS, slipped, weighted
-from pipeline.physics.term import Parameter, Shown, Surroundings
+from pipeline.physics.term import Parameter, Surroundings
 
 BANK, ASYMMETRIC = "driven bank", "driven bank asymmetric"
-HEAVIEST, SHARP = 3.0, 0.05
+LIGHTEST, HEAVIEST = 0.3, 3.0
 
 
 class DrivenBank(Friction):
@@ -21,6 +20,7 @@ class DrivenBank(Friction):
     closed within the large ones. Stop i gives way after reach_i (see `stops_of`), over no shorter
     ones than keep the joint from moving against the drive. In the asymmetric form it holds back
     more in one direction than in the other. What loads the joint behind it does not change it.
+    Stops that are all alike are none of it: as firm as the drive, they are play.
     Source: Visintin, Differential Models of Hysteresis (1994); Al Janaideh, Rakheja and Su,
     IEEE/ASME Trans. Mechatronics 16 (2011) 734.
     """
@@ -36,7 +36,7 @@ class DrivenBank(Friction):
         own = (
             Parameter("width", unit, 0.0, 0.9 * span, 0.05 * span, 0.05 * span, at_drive=True),
             Parameter("reach", unit, 1e-3 * span, span, 0.05 * span, 0.05 * span, at_drive=True),
-            Parameter("spread", "", 0.0, HEAVIEST, 1.0, 0.5),
+            Parameter("spread", "", LIGHTEST, HEAVIEST, 1.0, 0.5),
         )
         if self.form == BANK:
             return own
@@ -56,11 +56,6 @@ class DrivenBank(Friction):
         stops = stops_of(values[2])
         most = 0.5 * values[0] * (1.0 + abs(self.asymmetry(values)))
         return np.asarray(max(values[1], most * float(np.mean(1.0 / stops))) * stops)
-
-    def plainer(self, values: np.ndarray, shown: Shown) -> str:
-        """Backlash where all stops give way within a step, or little more than half the width."""
-        half, last = 0.5 * values[0], self.reaches(values)[-1]
-        return Backlash.name if last < half + max(SHARP * half, 0.5 * shown.step) else self.name
 
 
 def stops_of(spread: float) -> np.ndarray:

@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 
 from pipeline.physics.catalogue import richer, term
-from pipeline.physics.driven_bank import DrivenBank, stops_of
+from pipeline.physics.driven_bank import stops_of
 from pipeline.physics.motion import Motion
-from tests.physics.test_driven_slack import Clear
 
 SWING = np.linspace(20.0, 8.0, 4000) * np.sin(np.arange(4000) / 200.0)
 
@@ -76,20 +75,6 @@ def test_a_block_goes_on_where_the_one_before_ended():
     first, state = bank.respond(SWING[:1500], motion_of(SWING[:1500]), values, None)
     second, _ = bank.respond(SWING[1500:], motion_of(SWING[1500:]), values, state)
     np.testing.assert_allclose(np.concatenate([first, second]), whole)
-
-
-@pytest.mark.parametrize(
-    ("width", "reach", "spread", "name"),
-    [
-        (4.0, 0.3, 0.0, "backlash"),
-        (4.0, 2.0, 0.02, "backlash"),
-        (4.0, 2.0, 1.0, "friction"),
-        (4.0, 6.0, 0.0, "friction"),
-    ],
-)
-def test_stops_that_all_give_way_at_once_are_play(width, reach, spread, name):
-    bank, values = DrivenBank(), np.array([width, reach, spread])
-    assert bank.plainer(values, Clear()) == name
 
 
 def test_friction_that_the_drive_bends_grows_to_it():
