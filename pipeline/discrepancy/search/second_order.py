@@ -56,7 +56,8 @@ def swinging(search: Search, choices: list[Choice]) -> list[Choice]:
 def with_old_frame(search: Search, choices: list[Choice]) -> list[Choice]:
     """The choices (best first), with an old frame beside a swing where that is better.
 
-    An old frame and a lag without inertia are one in most motions, so that no search has both.
+    An old frame and a lag without inertia are one in most motions, so that no search has both. A
+    swing fitted without the frame may have gone where no step leads from: it is begun anew, too.
     """
     best = choices[0]
     old = [t for t in search.terms if t.name == FrameLag.name]
@@ -65,6 +66,8 @@ def with_old_frame(search: Search, choices: list[Choice]) -> list[Choice]:
         return choices
     leads = by_term(screen(best.fit, search.effects, old))
     trials = [improve(started(best.fit, few)) for few in leads]
+    rest = best.fit.without(*(p for p in best.fit.pieces if p.term.name == SWINGING.name))
+    trials += [begun(best.fit.ground, (*rest, Piece(few[0].term, few[0].values))) for few in leads]
     both = search.better(best, min(trials, key=lambda t: t.cost, default=best.fit))
     return choices if both is best else polished(search, best_of_each([both, *choices]))
 
