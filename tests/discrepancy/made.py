@@ -1,6 +1,7 @@
 """Recordings made of the project's own terms, with known truth."""
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pandas as pd
@@ -89,6 +90,12 @@ def recorded(
         }
     )
     return Recording(samples, CHANNELS, "simulated")
+
+
+def strokes(turns: np.ndarray, rows: int) -> np.ndarray:
+    """A drive straight from 0 to the first turn and on from turn to turn, `rows` samples each."""
+    ends = pairwise(np.concatenate([[0.0], turns]))
+    return np.concatenate([np.linspace(a, b, rows, False) for a, b in ends])
 
 
 def followed(time_s: np.ndarray, drive: np.ndarray, seen: np.ndarray, pace_hz: float) -> Recording:

@@ -1,12 +1,11 @@
 """Friction as models of tendons have it: an operator on the drive, before what loads the joint."""
 
 from collections.abc import Callable
-from itertools import pairwise
 
 import numpy as np
 import pytest
 
-from tests.discrepancy.made import diagnosed, followed, names, value_of
+from tests.discrepancy.made import diagnosed, followed, names, strokes, value_of
 
 NOISE = 0.2
 
@@ -14,8 +13,7 @@ NOISE = 0.2
 def turning(seed: int) -> np.ndarray:
     """A drive that turns at many angles, so that there are small loops within the large ones."""
     rng = np.random.default_rng(seed)
-    turns = np.concatenate([[0.0], rng.uniform(8.0, 50.0, 50) * (-1.0) ** np.arange(50)])
-    return np.concatenate([np.linspace(a, b, 28, False) for a, b in pairwise(turns)])
+    return strokes(rng.uniform(8.0, 50.0, 50) * (-1.0) ** np.arange(50), 28)
 
 
 def stops(drive: np.ndarray) -> np.ndarray:

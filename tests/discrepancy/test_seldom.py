@@ -1,12 +1,10 @@
 """What is met only where the joint is seldom driven as far."""
 
-from itertools import pairwise
-
 import numpy as np
 import pytest
 
 from pipeline.discrepancy.search.counted import all_beyond
-from tests.discrepancy.made import diagnosed, followed, names
+from tests.discrepancy.made import diagnosed, followed, names, strokes
 
 DRIVE = np.concatenate([np.linspace(0.0, 50.0, 51), np.linspace(49.0, 0.0, 50)])
 
@@ -46,8 +44,7 @@ def test_what_stands_off_there_to_both_sides_is_a_mistake():
 def test_a_stop_that_a_few_samples_meet_is_found():
     rng = np.random.default_rng(2)
     reach = np.where(np.isin(np.arange(28), [6, 20]), 52.0, rng.uniform(20.0, 40.0, 28))
-    turns = np.concatenate([[0.0], reach * (-1.0) ** np.arange(28)])
-    drive = np.concatenate([np.linspace(a, b, 50, False) for a, b in pairwise(turns)])
+    drive = strokes(reach * (-1.0) ** np.arange(28), 50)
     seen = np.minimum(drive, 47.0) + 0.1 * rng.standard_normal(len(drive))
     found = diagnosed(followed(3.36 * np.arange(len(drive)), drive, seen, 0.0015))
     assert "end_stop" in names(found) or "contact" in names(found)

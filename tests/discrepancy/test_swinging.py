@@ -1,7 +1,5 @@
 """A joint that swings after each step."""
 
-from itertools import pairwise
-
 import numpy as np
 import pytest
 
@@ -12,6 +10,7 @@ from tests.discrepancy.made import (
     followed,
     names,
     recorded,
+    strokes,
     value_of,
 )
 
@@ -62,8 +61,7 @@ def test_what_swings_at_a_steady_pace_is_not_told_as_an_old_frame_alone():
 def test_what_swings_is_found_behind_play_that_grows_and_before_an_old_frame():
     """Steps of any size with pauses that differ: creep beside an old frame comes near the swing."""
     rng = np.random.default_rng(8)
-    turns = np.concatenate([[0.0], rng.uniform(15.0, 55.0, 40) * (-1.0) ** np.arange(40)])
-    drive = np.concatenate([np.linspace(a, b, 30, False) for a, b in pairwise(turns)])
+    drive = strokes(rng.uniform(15.0, 55.0, 40) * (-1.0) ** np.arange(40), 30)
     time_s = np.cumsum(rng.choice([1.5, 3.0, 6.0], 40).repeat(30))
     widths = np.linspace(1.5, 4.0, len(drive))
     frequency, damping, fine = 0.35, 0.45, 40
