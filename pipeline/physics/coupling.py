@@ -12,14 +12,17 @@ from pipeline.physics.motion import Motion
 from pipeline.physics.term import HELD, NO_STATE, Parameter, Surroundings, Term
 
 DIRECT, LEVER, RATE, TORQUE = "/direct", "/lever", "/rate", "/torque"
+PLAY, LATE = "/play", "/late"
 WAYS: Mapping[str, Way] = {
-    "/play": Dragging(),
-    "/late": Late(),
+    f"{PLAY}{DIRECT}": Dragging(),
+    f"{LATE}{DIRECT}": Late(),
+    PLAY: Dragging(),
+    LATE: Late(),
     LEVER: Lever(),
     RATE: Rate(),
 }
 NO_LOAD, BESIDES = (DIRECT, LEVER), (LEVER, RATE)
-DRAGGING = ("/play", "/late")
+DRAGGING = (PLAY, LATE)
 GROWN = (*DRAGGING, DIRECT, TORQUE)
 OFFERED = ("", DIRECT, LEVER, RATE)
 SIZES = 2
@@ -36,8 +39,9 @@ class Coupling(Term):
     relaxed. In the balance, so that friction, slack and contact answer to it; a free joint moves by
     as much, times the slope of its curve there over the mean one: the wires are pulled. Form
     "channel/torque" is a load on the joint itself, which moves a free one by as much wherever it
-    is. Form "channel/direct" is none: what the joint stands on is turned by as much. Beside each of
-    these may stand the forms "channel/rate", what the other axis drags along by its speed, and
+    is. Form "channel/direct" is none: what the joint stands on is turned by as much; so it is, by a
+    wire that drags, in forms "channel/play/direct" and "channel/late/direct". Beside each of these
+    may stand the forms "channel/rate", what the other axis drags along by its speed, and
     "channel/lever": it changes this one's gain, which is no load either. See `coupling_ways.py`.
     Source: wires of one joint that run through another, first two terms of the power series.
     """
@@ -58,7 +62,7 @@ class Coupling(Term):
         self.way = WAYS.get(how)
         self.pushes = how not in BESIDES
         self.group = f"{self.name} {self.channel if self.pushes else form}"
-        self.in_balance = how not in NO_LOAD
+        self.in_balance = not how.endswith(NO_LOAD)
         self.timed = self.way is not None and self.way.timed
         if how == LEVER:
             self.beyond_alone = "how far it moves, which the other axis changes without moving it"
@@ -78,7 +82,8 @@ class Coupling(Term):
     def richer(self) -> tuple[Term, ...]:
         plain, how = self.form == self.channel, self.form.removeprefix(self.channel)
         others = GROWN if plain else [o for o in DRAGGING if how in DRAGGING and o != how]
-        return tuple(Coupling(f"{self.channel}{other}") for other in others)
+        turning = [f"{o}{DIRECT}" for o in DRAGGING if how in (o, DIRECT)]
+        return tuple(Coupling(f"{self.channel}{other}") for other in (*others, *turning))
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
         scale = scale_of(self.channel, around)
@@ -111,9 +116,12 @@ class Coupling(Term):
         self, signal: np.ndarray, motion: Motion, values: np.ndarray, state: np.ndarray | None
     ) -> tuple[np.ndarray, np.ndarray]:
         other, pushed, own = self.told(values, motion)
+        if self.way is None:
+            return signal + pushed, NO_STATE
         if isinstance(self.way, Lever):
-            signal = signal * self.way.turned(own, other)
-        return signal + pushed, NO_STATE
+            return signal * self.way.turned(own, other), NO_STATE
+        besides, carried = self.way.pushed(own, other, motion, state)
+        return signal + pushed + besides, carried
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
         scale = scale_of(self.channel, around)

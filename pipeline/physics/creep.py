@@ -26,9 +26,9 @@ class Creep(Term):
     joint. There the command is held through each dwell; form "running" is "whole" for one that runs
     straight from sample to sample. Form "wire" creeps before the nominal curve, where over the
     share `moving` of each dwell the drive runs to its next value and what is late was `begun` ahead
-    of the drive, as it was moved before; "wire two" has two arms. Forms "spread" and "whole spread"
-    have ARMS equal ones whose time constants are evenly apart in their logarithm, over `breadth`
-    decades to either side of `time_constant`: creep about as a power of time. Sources: standard
+    of the drive, as it was moved before; "wire two" has two arms. Forms "spread", "whole spread" and
+    "wire spread" have ARMS equal ones whose time constants are evenly apart in their logarithm,
+    over `breadth` decades to either side of `time_constant`: creep about as a power of time. Sources: standard
     linear solid (Zener); Findley, Lai and Onaran, Creep and Relaxation (1976), ch. 5.
     """
 
@@ -39,11 +39,13 @@ class Creep(Term):
     timed = True
     far_apart = True
     grows: ClassVar = {
-        "one": ("two", "wire", SPREAD),
+        "one": ("two", "wire", SPREAD, f"wire {SPREAD}"),
         "two": ("wire two",),
-        "whole": ("wire", f"whole {SPREAD}"),
+        "whole": ("wire", f"whole {SPREAD}", f"wire {SPREAD}"),
         "running": ("wire",),
-        "wire": ("wire two",),
+        "wire": ("wire two", f"wire {SPREAD}"),
+        SPREAD: (f"wire {SPREAD}",),
+        f"whole {SPREAD}": (f"wire {SPREAD}",),
     }
     means = "part of the motion arrives late, and depends on the dwell"
     says = "Part of each motion ({share}) arrives late, with a time constant of {time_constant}."
@@ -153,7 +155,7 @@ class Creep(Term):
 
         One of a spread's many may be; but a narrow spread is one time, or a lag beside friction.
         """
-        if SPREAD in self.form and values[2] < NARROW:
+        if SPREAD in self.form and values[-1] < NARROW:
             return True
         last = {SPREAD: -2, "two": -1}.get(self.form.split(" ")[-1])
         return last is not None and bool(self.arms(values)[last][1] > SLOWEST * around.period_s)
@@ -180,5 +182,5 @@ APART = (
 
 def spread_out(values: np.ndarray) -> np.ndarray:
     """Time constants [s] of arms that are evenly apart in their logarithm, (ARMS,)."""
-    _, middle_s, breadth = values
+    middle_s, breadth = values[1], values[-1]
     return np.asarray(middle_s * 10.0 ** (breadth * np.linspace(-1.0, 1.0, ARMS)))

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from pipeline.physics.balance import BALANCE, settle
+from pipeline.physics.balance import BALANCE, key_of, settle
 from pipeline.physics.kinematics import Curve, IdentityCurve, SmoothError
 from pipeline.physics.motion import Motion
 from pipeline.physics.term import Term
@@ -132,6 +132,6 @@ def _apply(
     before: State,
     after: dict[str, np.ndarray],
 ) -> np.ndarray:
-    name = piece.term.name
-    signal, after[name] = piece.term.respond(signal, motion, piece.values, before.get(name))
+    key = key_of(piece)
+    signal, after[key] = piece.term.respond(signal, motion, piece.values, before.get(key))
     return signal

@@ -85,3 +85,28 @@ def test_a_weight_that_the_other_axis_turns_away_hangs_in_balance():
     found = Mechanism(CubicCurve(0.7, 0.0), (piece,)).respond(moved(yaw, drive))[0]
     bent = 12.0 * (np.sin(np.radians(found) - 0.6) * np.cos(np.radians(yaw)) + np.sin(0.6))
     np.testing.assert_allclose(found + bent, 0.7 * drive, atol=1e-6)
+
+
+@pytest.mark.parametrize("way", ["play", "late"])
+def test_a_wire_that_drags_turns_what_a_joint_stands_on_whatever_its_curve(way: str):
+    yaw, drive = 30.0 * np.sin(np.arange(200) / 9.0), np.linspace(-60.0, 60.0, 200)
+    values = [0.1, 0.001, -0.05, 8.0]
+    straight = answer(way, values, moved(yaw)), answer(f"{way}/direct", values, moved(yaw))
+    np.testing.assert_allclose(*straight, atol=1e-6)
+    curve, pulled = CubicCurve(0.7, 1e-5), moved(yaw, drive)
+    piece = Piece(Coupling(f"{YAW}/{way}/direct"), np.array(values))
+    found = Mechanism(curve, (piece,)).respond(pulled)[0]
+    np.testing.assert_allclose(found, curve(drive) + straight[1], atol=1e-9)
+
+
+def test_two_axes_that_drag_each_remember_their_own_way():
+    other = 20.0 * np.cos(np.arange(200) / 7.0)
+    yaw = 30.0 * np.sin(np.arange(200) / 9.0)
+    whole = Motion(np.zeros(200), 3.0 * np.arange(200), np.zeros(200, dtype=int),
+                   {YAW: yaw, "roll": other})  # fmt: skip
+    values = np.array([0.1, 0.0, -0.1, 8.0])
+    pieces = [Piece(Coupling(f"{axis}/play/direct"), values) for axis in (YAW, "roll")]
+    mechanism = Mechanism(CubicCurve(0.7, 0.0), pieces)
+    first, state = mechanism.respond(whole.rows(slice(0, 90)))
+    rest = mechanism.respond(whole.rows(slice(90, 200)), state)[0]
+    np.testing.assert_allclose(np.concatenate([first, rest]), mechanism.respond(whole)[0])

@@ -16,7 +16,7 @@ from pipeline.physics.mechanism import Mechanism, Piece
 from pipeline.physics.motion import Motion
 from pipeline.physics.term import Surroundings, Term
 
-SCHEMA = "loopgap.model/2"
+SCHEMA = "loopgap.model/3"
 DIFFERENCE = 0.2
 
 

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from pipeline.physics.balance import key_of
 from pipeline.physics.mechanism import Mechanism, State
 from pipeline.physics.motion import Kinetics, Motion
 
@@ -56,7 +57,7 @@ class End:
 
     def as_json(self) -> dict[str, Any]:
         """The same as plain JSON."""
-        state = {name: np.asarray(own).tolist() for name, own in self.state.items()}
+        state = {key: np.asarray(own).tolist() for key, own in self.state.items()}
         return {**self.__dict__, "state": state}
 
 
@@ -121,8 +122,8 @@ def _led(mechanism: Mechanism, motion: Motion, known: End, begin: float) -> Stat
         kinetics=_steady(motion.kinetics, (to - begin) / rows / dwell_s, still),
     )
     after = mechanism.respond(before)[1]
-    of_the_clock = {p.term.name for p in mechanism.pieces if p.term.slow}
-    return {name: own for name, own in after.items() if name not in of_the_clock}
+    of_the_clock = {key_of(p) for p in mechanism.pieces if p.term.slow}
+    return {key: own for key, own in after.items() if key not in of_the_clock}
 
 
 def _steady(kinetics: Kinetics | None, speed: float, still: np.ndarray) -> Kinetics | None:
