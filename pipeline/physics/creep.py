@@ -26,10 +26,11 @@ class Creep(Term):
     joint. There the command is held through each dwell; form "running" is "whole" for one that runs
     straight from sample to sample. Form "wire" creeps before the nominal curve, where over the
     share `moving` of each dwell the drive runs to its next value and what is late was `begun` ahead
-    of the drive, as it was moved before; "wire two" has two arms. Forms "spread", "whole spread" and
-    "wire spread" have ARMS equal ones whose time constants are evenly apart in their logarithm,
-    over `breadth` decades to either side of `time_constant`: creep about as a power of time. Sources: standard
-    linear solid (Zener); Findley, Lai and Onaran, Creep and Relaxation (1976), ch. 5.
+    of the drive, as it was moved before; "wire two" has two arms. Forms "spread", "whole spread"
+    and "wire spread" have ARMS equal ones whose time constants are evenly apart in their logarithm,
+    over `breadth` decades to either side of `time_constant`: creep about as a power of time.
+    Sources: standard linear solid (Zener); Findley, Lai and Onaran, Creep and Relaxation (1976),
+    ch. 5.
     """
 
     name = "creep"

@@ -53,9 +53,11 @@ class DrivenBank(Friction):
 
     def reaches(self, values: np.ndarray) -> np.ndarray:
         """Of its stops, (ELEMENTS,) [drive unit], the shortest first."""
-        stops = stops_of(values[2])
+        return np.asarray(max(values[1], self.least_reach(values)) * stops_of(values[2]))
+
+    def least_reach(self, values: np.ndarray) -> float:
         most = 0.5 * values[0] * (1.0 + abs(self.asymmetry(values)))
-        return np.asarray(max(values[1], most * float(np.mean(1.0 / stops))) * stops)
+        return float(most * np.mean(1.0 / stops_of(values[2])))
 
 
 def stops_of(spread: float) -> np.ndarray:

@@ -4,12 +4,13 @@ from typing import ClassVar
 
 import numpy as np
 
-from pipeline.physics.backlash import Backlash
+from pipeline.number_words import worded
+from pipeline.physics.backlash import BEHIND_JOINT, Backlash
 from pipeline.physics.compliance import Compliance
 from pipeline.physics.motion import Motion
-from pipeline.physics.term import NO_STATE, Parameter, Shown, Surroundings, Term
+from pipeline.physics.term import LAST, NO_STATE, Parameter, Shown, Surroundings, Term
 
-OFF_HOME, DRIVEN, AHEAD = "off home", "driven", "ahead of play"
+OFF_HOME, DRIVEN, AHEAD, JOINT = "off home", "driven", "ahead of play", "of the joint"
 
 
 class DrivenSlack(Term):
@@ -19,10 +20,11 @@ class DrivenSlack(Term):
     Of what the drive turns within the width the share `kept` still comes through, as where one of
     two strands hangs loose. No load moves a joint in it: what is loose lies between the motor and
     what holds the wires. In forms "ahead of play" it lies before what plays, elsewhere behind that;
-    in those "off home" its middle is another drive than 0. Wider than it is rounded it is a dead
-    zone; rounded wider, loss that saturates as tanh(v / 2 w). Source: dead zone at the input, Tao
-    and Kokotovic, Adaptive Control of Systems with Actuator and Sensor Nonlinearities (1996); the
-    softplus log(1 + e^x) at its ends, Dugas et al., NIPS 13 (2000).
+    in those "off home" its middle is another drive than 0. Form "of the joint" is the same of the
+    joint's angle, whatever the curve: the link hangs loose on what moves it. Wider than it is
+    rounded it is a dead zone; rounded wider, loss that saturates as tanh(v / 2 w). Source: dead
+    zone at the input, Tao and Kokotovic, Adaptive Control of Systems with Actuator and Sensor
+    Nonlinearities (1996); the softplus log(1 + e^x) at its ends, Dugas et al., NIPS 13 (2000).
     """
 
     name = "slack"
@@ -32,34 +34,43 @@ class DrivenSlack(Term):
     grows: ClassVar = {
         DRIVEN: (f"{DRIVEN} {OFF_HOME}", AHEAD),
         AHEAD: (f"{AHEAD} {OFF_HOME}",),
-        f"{DRIVEN} {OFF_HOME}": (f"{AHEAD} {OFF_HOME}",),
+        f"{DRIVEN} {OFF_HOME}": (f"{AHEAD} {OFF_HOME}", JOINT),
     }
     means = "a dead zone around home, without a loop"
     says = "Around home the wires hang slack: {width} of drive are lost before the joint follows."
 
     def __init__(self, form: str = DRIVEN) -> None:
         self.form = form
+        self.before_curve = form != JOINT
+        self.place = LAST if self.before_curve else BEHIND_JOINT
         if AHEAD in form:
             self.only_beside, self.place = Backlash.group, Backlash.place - 5.0
             self.unlikely = 1.0  # chance would decide where nothing plays
 
     @property
     def kin(self) -> str:
-        return self.form.replace(AHEAD, DRIVEN)
+        return f"{DRIVEN} {OFF_HOME}" if self.form == JOINT else self.form.replace(AHEAD, DRIVEN)
 
     def elsewhere(self) -> tuple[Term, ...]:
-        return () if self.only_beside else (DrivenSlack(self.form.replace(DRIVEN, AHEAD)),)
+        ahead = self.form.replace(DRIVEN, AHEAD)
+        return () if ahead == self.form else (DrivenSlack(ahead),)
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
-        span, unit = around.drive_span, around.drive_unit
-        middle, far = around.drive_low + 0.5 * span, 0.35 * span
+        span, low, unit = self.signal(around)
+        middle, far = low + 0.5 * span, 0.35 * span
         own = (
             Parameter("width", unit, 0.0, 0.8 * span, 0.05 * span, 0.05 * span),
             Parameter("rounding", unit, 1e-4 * span, 0.05 * span, 0.002 * span, 0.004 * span),
             Parameter("kept", "", 0.0, MOST_KEPT, 0.0, 0.05, weak=True),
         )
         centre = Parameter("centre", unit, middle - far, middle + far, middle, 0.05 * span)
-        return (*own, centre) if OFF_HOME in self.form else own
+        return own if self.form in (DRIVEN, AHEAD) else (*own, centre)
+
+    def signal(self, around: Surroundings) -> tuple[float, float, str]:
+        """Span, lower end and unit of what it acts on: the drive, or the joint's angle."""
+        if self.form == JOINT:
+            return around.angle_span, around.angle_low, around.angle_unit
+        return around.drive_span, around.drive_low, around.drive_unit
 
     def respond(
         self, signal: np.ndarray, motion: Motion, values: np.ndarray, state: np.ndarray | None
@@ -71,15 +82,15 @@ class DrivenSlack(Term):
         return signal - (1.0 - kept) * (rounding * taken_up - half), NO_STATE
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
-        span = around.drive_span
+        span, low, _ = self.signal(around)
         rows = [
             [width * span, share * width * span, 0.0]
             for width in (0.01, 0.03, 0.08, 0.2)
             for share in (0.03, 0.2)
         ]
-        if OFF_HOME not in self.form:
+        if self.form in (DRIVEN, AHEAD):
             return np.array(rows)
-        middle = around.drive_low + 0.5 * span
+        middle = low + 0.5 * span
         off = np.linspace(-0.25, 0.25, 9) * span
         return np.array([[*row, middle + centre] for row in rows for centre in off])
 
@@ -92,10 +103,16 @@ class DrivenSlack(Term):
         loose = lost > LEAST_LOST and shown.worth(0, (KEPT,))
         return self.name if loose else Compliance.name
 
+    def sentence(self, values: np.ndarray, around: Surroundings) -> str:
+        if self.form != JOINT:
+            return super().sentence(values, around)
+        width = f"{worded(values[0])} {around.angle_unit}"
+        return f"The link hangs loose on its joint: around home {width} of its motion are lost."
+
     def excited(self, motion: Motion, around: Surroundings) -> bool:
         """Forms of a middle at home where the drive passes 0."""
         home = around.drive_low < 0.0 < around.drive_low + around.drive_span
-        return around.drive_span > 0.0 and (home or OFF_HOME in self.form)
+        return around.drive_span > 0.0 and (home or self.form not in (DRIVEN, AHEAD))
 
 
 MOST_KEPT, LEAST_LOST = 0.6, 0.5

@@ -15,6 +15,7 @@ from pipeline.physics.term import Parameter, Shown, Surroundings, Term, Told
 
 LEFT, LOOSENED, LOOSE = ((0.65, 0.3), (0.5, 0.7)), 1.4, 0.02
 SHARP, CORNER = 0.2, 0.01
+FIRM, ALONE, GIVING = 0.1, 0.1, 0.3
 WRAPPED, ASYMMETRIC = "wrapped", "driven asymmetric"
 ON, ODDS = "driven on", 6.0
 
@@ -102,12 +103,27 @@ class Friction(Term):
         self, signal: np.ndarray, motion: Motion, values: np.ndarray, state: np.ndarray | None
     ) -> tuple[np.ndarray, np.ndarray]:
         width, reach, release = values[:3]
-        asymmetry = float(values[3]) if self.form == ASYMMETRIC else 0.0
-        lets_go = 0.0 if self.form == ON else release
-        forward = max(reach, 0.5 * width * (1.0 + abs(asymmetry)) * (1.0 + lets_go))
+        forward = max(reach, self.least_reach(values))
         share, state = dragging(signal, forward, release, state)
-        share = weighted(share, asymmetry)
+        share = weighted(share, float(values[3]) if self.form == ASYMMETRIC else 0.0)
         return signal - 0.5 * width * share, state
+
+    def least_reach(self, values: np.ndarray) -> float:
+        """Of a form that the drive bends: over which it is as firm as that [drive unit]."""
+        asymmetry = abs(values[3]) if self.form == ASYMMETRIC else 0.0
+        lets_go = 0.0 if self.form == ON else values[2]
+        return float(0.5 * values[0] * (1.0 + asymmetry) * (1.0 + lets_go))
+
+    def also_at(self, values: np.ndarray, around: Surroundings) -> tuple[str, ...]:
+        """Play, where it gives way by little, or is as firm as the drive that bends it.
+
+        One slider alone that gives way by little is play whose gap a weak spring spans.
+        """
+        if self.before_curve:
+            return (Backlash.name,) if values[1] < self.least_reach(values) else ()
+        slider = "bristle" not in self.form and values[2] < ALONE
+        little = (GIVING if slider else FIRM) * values[0]
+        return (Backlash.name,) if values[1] < little else ()
 
     def plainer(self, values: np.ndarray, shown: Shown) -> str:
         """Backlash where the corners are surely sharp, or far smaller than the loop is wide."""

@@ -20,6 +20,8 @@ DENSE = 200
 SPEEDS = 8
 JUMP, RARE = 0.05, 0.2
 FIRST_ORDER = ("first", "whole", "running")
+MOTOR_FIRST = "motor first"
+ONE_TIME = (*FIRST_ORDER, MOTOR_FIRST)
 
 
 @inlined
@@ -99,9 +101,9 @@ class ResponseLag(Term):
     sample to the next. Form "second", after the balance:
     x'' = w^2 (u - x) - 2 damping w x', w being `natural_frequency`; over the share `moving` of each
     dwell the command runs to its next value. Form "motor" is the same of the motor, before gears
-    and wires: as of a servo that is late itself. Form "slewing" is a motor of first order that has
-    a top speed. Exact, however unevenly sampled. Source: first-order lag; Kelvin and Voigt's spring
-    with a dashpot beside it; linear system of second order; a rate limiter.
+    and wires: as of a servo that is late itself; "motor first" is a motor of first order, "slewing"
+    one that has a top speed. Exact, however unevenly sampled. Source: first-order lag; Kelvin and
+    Voigt's spring with a dashpot beside it; linear system of second order; a rate limiter.
     """
 
     name = "response_lag"
@@ -109,7 +111,10 @@ class ResponseLag(Term):
     remembers = "time"
     group = "lag"
     timed = True
-    grows: ClassVar = dict.fromkeys(FIRST_ORDER, ("second", "motor", "slewing"))
+    grows: ClassVar = {
+        **dict.fromkeys(FIRST_ORDER, ("second", "motor", MOTOR_FIRST, "slewing")),
+        MOTOR_FIRST: ("motor", "slewing"),
+    }
     means = "the whole motion comes after the command"
     says = "The whole motion comes late, with a time constant of {time_constant}."
     says_of_second = (
@@ -127,7 +132,7 @@ class ResponseLag(Term):
         self.mistaken_for = FrameLag.name if form in ("second", "motor") else ""
         self.only_beside = HELD if form == "whole" else ""
         self.unlikely = 3.0 if form == "running" else 0.0  # chance would decide against old frames
-        self.before_curve = form in ("motor", "slewing")
+        self.before_curve = form in ("motor", MOTOR_FIRST, "slewing")
         self.place = 0.0 if self.before_curve else 90.0
 
     @property
@@ -149,7 +154,7 @@ class ResponseLag(Term):
             low, unit = 1e-4 * fastest, f"{around.drive_unit}/s"
             return late, Parameter("top_speed", unit, low, fastest, 1e-2 * fastest, 0.0,
                                    relative=True)  # fmt: skip
-        if self.form not in FIRST_ORDER:
+        if self.form not in ONE_TIME:
             low, high = 1.0 / longest, 6.0 / dwell
             return (
                 Parameter("natural_frequency", "rad/s", low, high, 1.0 / usual, 0.0),
@@ -171,7 +176,7 @@ class ResponseLag(Term):
             before, at, late = float(state[3]), float(state[1]), float(values[0])
             out = trailed(asked, dwell, late, 1.0, before, at)
             return out, np.array([motion.time_s[-1], out[-1], 0.0, asked[-1]])
-        if self.form in ("whole", "slewing"):
+        if self.form in ("whole", MOTOR_FIRST, "slewing"):
             top_speed = float(values[1]) if self.form == "slewing" else np.inf
             out = slewed(asked, dwell, float(values[0]), top_speed, float(state[1]))
             return out, np.array([motion.time_s[-1], out[-1], 0.0, asked[-1]])
@@ -186,7 +191,7 @@ class ResponseLag(Term):
             fastest = 2.0 * around.drive_span / dwell
             speeds = fastest * np.geomspace(2e-3, 0.25, SPEEDS)
             return np.array([[lag, speed] for lag in sorted(lags)[::2] for speed in speeds])
-        if self.form not in FIRST_ORDER:
+        if self.form not in ONE_TIME:
             paces = {k / unit for k in (0.15, 0.5, 1.5) for unit in (dwell, usual)}
             return np.array(
                 [
@@ -200,12 +205,12 @@ class ResponseLag(Term):
 
     def scaled(self, values: np.ndarray, factor: float) -> np.ndarray:
         """A lag of about `factor` times the size; a swing is as slow as its frequency is low."""
-        if self.form not in FIRST_ORDER:
+        if self.form not in ONE_TIME:
             return values.copy()
         return super().scaled(values, factor)
 
     def void(self, values: np.ndarray) -> bool:
-        return self.form in FIRST_ORDER and super().void(values)
+        return self.form in ONE_TIME and super().void(values)
 
     def excited(self, motion: Motion, around: Surroundings) -> bool:
         """Form "running" where a drive is sampled too often to step and wait, "slewing" there too.
@@ -221,7 +226,7 @@ class ResponseLag(Term):
         return moves and (0.0 < jumps < RARE or around.dwell_s < STEP_AND_WAIT_S)
 
     def sentence(self, values: np.ndarray, around: Surroundings) -> str:
-        if self.form in FIRST_ORDER:
+        if self.form in ONE_TIME:
             return super().sentence(values, around)
         if self.form == "slewing":
             return self.says_of_slewing.format(
