@@ -13,7 +13,7 @@ from pipeline.physics.softer_side import SofterSide
 from pipeline.physics.term import Parameter, Surroundings, Term, Told
 
 STIFFEST, STEEPEST, GRADUALLY, WIDER = 6.0, 30.0, 0.99, 1.5
-AT_HOME = 0.02
+AT_HOME, SKINS = 0.02, 3.0
 SIDES, HARDENING, LOSSY = ("upper", "lower"), "hardening", "lossy"
 
 
@@ -76,9 +76,16 @@ class Contact(Term):
         return (*own, pretension(around, 1e-3))
 
     def also_at(self, values: np.ndarray, around: Surroundings) -> tuple[str, ...]:
-        """Compliance, where it is met at home: there one wire takes over, softer than the other."""
-        home = abs(values[1]) < min(values[2], AT_HOME * around.angle_span)
-        return (Compliance.name,) if home else ()
+        """Compliance, where it is met at home: there one wire takes over, softer than the other.
+
+        An end stop, where the simulation goes only a few skins into it: how stiff it comes to be
+        does not show.
+        """
+        _, angle, skin = values[:3]
+        end = around.angle_low + (around.angle_span if self.side > 0.0 else 0.0)
+        at_home = abs(angle) < min(skin, AT_HOME * around.angle_span)
+        shallow = self.side * (end - angle) < SKINS * skin
+        return tuple(n for n, so in ((Compliance.name, at_home), (EndStop.name, shallow)) if so)
 
     def limit(self, values: np.ndarray) -> str:
         """What is stiffer than a contact can be is an end stop."""

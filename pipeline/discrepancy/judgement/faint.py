@@ -24,7 +24,8 @@ def without_faint(explanation: Explanation) -> Explanation:
     found to be structured. On 160 pairs of effects of other forms, 5 of 10 false names were as
     faint, and 2 of 280 true ones. So does a name beside others that earns nothing once these are
     fitted anew without it, or less than a search asks of a further one and explains less than half
-    of the noise: what is as large as that and stands apart from the others earns far more.
+    of the noise: what is as large as that and stands apart from the others earns far more. Nor may
+    other names take the lead for less, of which there are more than of those that stay.
     """
     if explanation.problem.motion.kinetics is not None:
         return explanation
@@ -33,12 +34,18 @@ def without_faint(explanation: Explanation) -> Explanation:
         fewer = firm(explanation, choices[0])
         if fewer is choices[0]:
             break
-        kept = [c for c in choices if not names(c) > names(fewer)]
+        kept = [charged(c, fewer) for c in choices if not names(c) > names(fewer)]
         choices = sorted([fewer, *kept], key=lambda c: c.score)
     firmer = replace(explanation, choices=choices)
     if choices is explanation.choices or structure_of(firmer, choices[0]).found:
         return explanation
     return firmer
+
+
+def charged(choice: Choice, firmer: Choice) -> Choice:
+    """A choice that has more names than a firm one: each has to earn what a search asks of one."""
+    more = max(len(names(choice)) - len(names(firmer)), 0)
+    return replace(choice, score=choice.score + more * LEAST_GAIN)
 
 
 def firm(explanation: Explanation, choice: Choice) -> Choice:
