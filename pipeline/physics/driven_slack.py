@@ -43,6 +43,7 @@ class DrivenSlack(Term):
         self.form = form
         self.before_curve = form != JOINT
         self.place = LAST if self.before_curve else BEHIND_JOINT
+        self.far_apart = form == JOINT
         if AHEAD in form:
             self.only_beside, self.place = Backlash.group, Backlash.place - 5.0
             self.unlikely = 1.0  # chance would decide where nothing plays

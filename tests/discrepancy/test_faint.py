@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from pipeline.discrepancy.fitting.fit import evaluate, improve
-from pipeline.discrepancy.judgement.faint import without_faint
+from pipeline.discrepancy.judgement.faint import charged, without_faint
+from pipeline.discrepancy.search.choose import LEAST_GAIN
 from pipeline.discrepancy.search.explain import Explanation
 from pipeline.physics.catalogue import term
 from pipeline.physics.mechanism import Piece
@@ -43,3 +44,11 @@ def test_a_faint_name_that_is_one_of_two_stands_by_what_it_earns(amplitude: floa
     assert (firm is found) == stays
     assert "backlash" in firm.choices[0].fit.names
     assert (RIPPLE.name in firm.choices[0].fit.names) == stays
+
+
+def test_each_name_that_others_have_more_of_has_to_earn_what_a_search_asks():
+    found = rippled(0.05, backlash={"width": 3.0}, end_stop={"angle": 30.0})
+    piled, firm = found.choices[0], without_faint(found).choices[0]
+    assert charged(piled, firm).score == piled.score + LEAST_GAIN
+    assert charged(firm, piled) == firm
+    assert charged(piled, piled) == piled

@@ -103,3 +103,35 @@ def test_what_touches_at_home_may_be_the_softer_wire_on_the_other_side(
     found = standing("contact", best, [best], ground.problem)
     assert found.alternatives == alternatives
     assert found.tied == bool(alternatives)
+
+
+@pytest.mark.parametrize(
+    ("form", "values", "little"),
+    [
+        ("symmetric", [3.0, 0.5, 0.0], True),
+        ("symmetric", [3.0, 2.0, 0.0], False),
+        ("symmetric", [3.0, 0.5, 0.7], False),
+        ("bristle", [3.0, 0.2, 1.0], True),
+        ("bristle", [3.0, 2.0, 1.0], False),
+        ("driven", [3.0, 2.0, 1.0], True),
+        ("driven", [3.0, 4.0, 1.0], False),
+        ("driven bank", [3.0, 1.0, 1.0], True),
+        ("driven bank", [3.0, 9.0, 1.0], False),
+    ],
+)
+def test_friction_that_gives_way_by_little_may_be_play(ground, form, values, little):
+    best = Choice(evaluate(ground, [Piece(term("friction", form), np.array(values))]), (0, 0, 0), 0)
+    alternatives = standing("friction", best, [best], ground.problem).alternatives
+    assert ("backlash" in alternatives) == little
+
+
+@pytest.mark.parametrize(
+    ("form", "skin", "alternatives"),
+    [("upper", 1.5, ("end_stop",)), ("lower", 1.5, ("end_stop",)), ("upper", 0.5, ())],
+)
+def test_how_stiff_a_contact_is_does_not_show_at_its_edge(ground, form, skin, alternatives):
+    around = ground.problem.around
+    end = around.angle_low + (around.angle_span if form == "upper" else 0.0)
+    values = np.array([0.5, end - 3.0 * (1.0 if form == "upper" else -1.0), skin])
+    best = Choice(evaluate(ground, [Piece(term("contact", form), values)]), (0, 0, 0), 0.0)
+    assert standing("contact", best, [best], ground.problem).alternatives == alternatives
