@@ -26,11 +26,10 @@ def late(drive: np.ndarray, time_constant_s: float) -> np.ndarray:
     return out
 
 
-def creeping(drive: np.ndarray) -> np.ndarray:
+def creeping(drive: np.ndarray, times: int) -> np.ndarray:
     """A tenth of each motion comes with the logarithm of time, over two decades from 4 s on."""
-    return 0.9 * drive + 0.1 * np.mean(
-        [late(drive, t) for t in np.geomspace(4.0, 400.0, 9)], axis=0
-    )
+    arms = [late(drive, time_s) for time_s in np.geomspace(4.0, 400.0, times)]
+    return 0.9 * drive + 0.1 * np.mean(arms, axis=0)
 
 
 def loose(angle: np.ndarray) -> np.ndarray:
