@@ -18,7 +18,7 @@ from pipeline.physics.valved_lag import ValvedLag
 NEARLY_CRITICAL = 1e-6
 DENSE = 200
 SPEEDS = 8
-JUMP, RARE = 0.05, 0.2
+SOME, SLOWER = (0.3, 0.5, 0.7, 0.85, 0.95), 0.97
 FIRST_ORDER = ("first", "whole", "running")
 MOTOR_FIRST = "motor first"
 ONE_TIME = (*FIRST_ORDER, MOTOR_FIRST)
@@ -90,6 +90,13 @@ def swinging_as(lag_s: float) -> list[Told]:
 def usual_lag_s(around: Surroundings) -> float:
     """A lag that is usual: a dwell, or a small part of a cycle that is sampled densely [s]."""
     return max(around.dwell_s, around.period_s / DENSE, 1e-9)
+
+
+def speeds_of_steps(motion: Motion) -> np.ndarray:
+    """How fast the drive goes at each step that moves it, (k,) [drive unit/s]; (0.0,) for none."""
+    steps, taken_s = np.abs(np.diff(motion.drive)), np.diff(motion.time_s)
+    moves = (steps > 0.0) & (taken_s > 0.0)
+    return steps[moves] / taken_s[moves] if np.any(moves) else np.zeros(1)
 
 
 class ResponseLag(Term):
@@ -188,6 +195,9 @@ class ResponseLag(Term):
         dwell, usual = max(around.dwell_s, 1e-9), usual_lag_s(around)
         lags = {k * unit for k in (0.3, 0.7, 1.5, 4.0) for unit in (dwell, usual)}
         if self.form == "slewing":
+            if around.dwell_s >= STEP_AND_WAIT_S:
+                some = SLOWER * np.quantile(speeds_of_steps(motion), SOME)
+                return np.array([[0.0, speed] for speed in np.unique(some)])
             fastest = 2.0 * around.drive_span / dwell
             speeds = fastest * np.geomspace(2e-3, 0.25, SPEEDS)
             return np.array([[lag, speed] for lag in sorted(lags)[::2] for speed in speeds])
@@ -213,17 +223,9 @@ class ResponseLag(Term):
         return self.form in ONE_TIME and super().void(values)
 
     def excited(self, motion: Motion, around: Surroundings) -> bool:
-        """Form "running" where a drive is sampled too often to step and wait, "slewing" there too.
-
-        Elsewhere a top speed shows where the drive jumps, now and then.
-        """
-        moves = around.drive_span > 0.0 and around.dwell_s > 0.0
-        if self.form == "running":
-            return moves and around.dwell_s < STEP_AND_WAIT_S
-        if self.form != "slewing":
-            return moves
-        jumps = float(np.mean(np.abs(np.diff(motion.drive)) > JUMP * around.drive_span))
-        return moves and (0.0 < jumps < RARE or around.dwell_s < STEP_AND_WAIT_S)
+        """Form "running" where a drive is sampled too often to step and wait."""
+        runs = self.form != "running" or around.dwell_s < STEP_AND_WAIT_S
+        return around.drive_span > 0.0 and around.dwell_s > 0.0 and runs
 
     def sentence(self, values: np.ndarray, around: Surroundings) -> str:
         if self.form in ONE_TIME:
