@@ -144,7 +144,7 @@ class ResponseLag(Term):
 
     @property
     def kin(self) -> str:
-        return "first" if self.form in FIRST_ORDER else self.form
+        return "first" if self.form in (*ONE_TIME, "slewing") else self.form
 
     def richer(self) -> tuple[Term, ...]:
         return (*super().richer(), *([ValvedLag()] if self.form in FIRST_ORDER else []))
