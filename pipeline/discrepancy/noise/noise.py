@@ -167,6 +167,18 @@ class NoiseModel:
         gains[:, 3] *= np.sqrt(self.spell)
         return gains
 
+    def drawn(self, cycle: np.ndarray, stands: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+        """A draw of it in rows of these cycles, (n,), each sample counted by itself."""
+        n, kept = len(cycle), self.kept(stands)
+        fresh = self.correlated * rng.standard_normal(n)
+        fresh[1:] *= np.sqrt(1.0 - kept[1:] ** 2)
+        slow = fresh.copy()
+        for i in range(1, n):
+            slow[i] += kept[i] * slow[i - 1]
+        zeros = self.jitter * rng.standard_normal(n)[np.unique(cycle, return_inverse=True)[1]]
+        walked = np.cumsum(self.walk * rng.standard_normal(n))
+        return np.asarray(self.white * rng.standard_normal(n) + slow + zeros + walked)
+
     def whiten(
         self, columns: np.ndarray, cycle: np.ndarray, used: np.ndarray, stands: np.ndarray
     ) -> np.ndarray:
