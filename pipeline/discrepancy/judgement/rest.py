@@ -61,7 +61,7 @@ def structured_rest(choice: Choice, family: NoiseFamily) -> list[Rest]:
     Calibration, terms (to first order) and noise are refitted beside the curves. Noise that is
     refitted gains by itself where it is correlated or jitters, the more curves there are: a gain
     that would be DOUBTED otherwise is divided by how many times its freedom such noise alone gains
-    (Bartlett's correction by the bootstrap, Rocke, Biometrika 76 (1989) 173, of an angle's noise).
+    (Bartlett's correction by the bootstrap, Rocke, J. Am. Stat. Assoc. 84 (1989) 598; of an angle).
     """
     fit = choice.fit
     problem, ground = fit.ground.problem, fit.ground

@@ -1,0 +1,52 @@
+"""What flexible curves find in a residual, and what they find in noise alone."""
+
+import numpy as np
+import pytest
+
+from pipeline.discrepancy.fitting.fit import evaluate
+from pipeline.discrepancy.fitting.ground import ground_of
+from pipeline.discrepancy.judgement.rest import DOUBTED, structured_rest
+from pipeline.discrepancy.noise.noise import NoiseModel
+from pipeline.discrepancy.search.choose import Choice
+from tests.discrepancy.made import explanation_of, followed, posed, strokes
+
+CORRELATION, NOISE = 0.85, 0.15
+
+
+def noise_of(cycle: np.ndarray, jitter: float, rng: np.random.Generator) -> np.ndarray:
+    """Of a first-order autoregression, its zero drawn anew in each cycle, (n,)."""
+    fresh = rng.standard_normal(len(cycle))
+    slow = fresh.copy()
+    for i in range(1, len(cycle)):
+        slow[i] = CORRELATION * slow[i - 1] + np.sqrt(1.0 - CORRELATION**2) * fresh[i]
+    return NOISE * (slow + jitter * rng.standard_normal(int(cycle.max()) + 1)[cycle])
+
+
+@pytest.mark.parametrize(("seed", "bump"), [(6, 0.0), (7, 0.0), (6, 0.4), (7, 0.4)])
+def test_noise_that_is_slow_and_jitters_is_no_structure_of_the_cycles(seed: int, bump: float):
+    rng = np.random.default_rng(seed)
+    drive = strokes(rng.uniform(15.0, 50.0, 72) * (-1.0) ** np.arange(72), 25)
+    cycle = np.arange(len(drive)) // 200
+    structure = bump * np.sin(drive / 8.0) * (cycle % 3 == 0)
+    seen = 1.01 * drive + 0.3 + noise_of(cycle, 0.5, rng) + structure
+    problem = posed(followed(3.0 * np.arange(len(drive)), drive, seen, 1.0 / 600.0))
+    ground = ground_of(problem, NoiseModel(0.05, 0.14, CORRELATION), problem.train)
+    plain = Choice(evaluate(ground, ()), (0, 0, 0), 0.0)
+    family = explanation_of([plain]).search.family
+    noise, place = family.pick(problem.measured - plain.fit.predicted, plain.place)
+    calibrated = Choice(evaluate(ground.with_noise(noise), ()), place, 0.0)
+    rests = {r.where: r.p_value for r in structured_rest(calibrated, family)}
+    assert (rests["the cycle"] < DOUBTED) == (bump > 0.0)
+
+
+def test_noise_that_is_drawn_is_as_its_model_says():
+    cycle, still = np.arange(40000) // 100, np.zeros(40000, dtype=bool)
+    model = NoiseModel(white=0.1, correlated=0.3, correlation=0.7, jitter=0.5)
+    drawn = model.drawn(cycle, still, np.random.default_rng(1)).reshape(-1, 100)
+    means = drawn.mean(axis=1)
+    own = drawn - means[:, None]
+    assert np.std(means) == pytest.approx(0.5, rel=0.1)
+    assert np.std(own) == pytest.approx(model.deviation, rel=0.1)
+    assert np.mean(own[:, 1:] * own[:, :-1]) == pytest.approx(0.7 * 0.3**2, rel=0.15)
+    walk = NoiseModel(white=0.0, walk=0.2).drawn(cycle, still, np.random.default_rng(2))
+    assert np.std(np.diff(walk)) == pytest.approx(0.2, rel=0.05)
