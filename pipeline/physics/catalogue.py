@@ -126,7 +126,7 @@ def terms(other_commands: Iterable[str] = ()) -> tuple[Term, ...]:
         EndStop("lower"),
         *(Coupling(f"{name}{how}") for name in other_commands for how in OFFERED),
         ResponseLag(),
-        ResponseLag("slewing"),
+        ResponseLag("top speed"),
         ResponseLag("whole"),
         ResponseLag("running"),
         CameraTilt(),

@@ -133,7 +133,7 @@ def test_a_swing_is_the_same_whether_sampled_evenly_or_not(share, jitter):
 
 def test_first_and_second_order_agree_where_the_swing_is_dead():
     motion = Motion(np.ones(50), np.linspace(0.0, 10.0, 50), np.zeros(50, dtype=int))
-    state = {"response_lag": np.array([0.0, 0.0, 0.0, 1.0])}
+    state = {"response_lag/second": np.array([0.0, 0.0, 0.0, 1.0])}
     heavy = Mechanism(pieces=(Piece(ResponseLag("second"), np.array([100.0, 50.0, 0.0])),))
     answer = heavy.respond(motion, state)[0]
     assert answer == pytest.approx(1.0 - np.exp(-motion.time_s), abs=2e-3)

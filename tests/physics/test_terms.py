@@ -168,6 +168,7 @@ def test_a_motor_with_a_top_speed_runs_at_it_and_then_comes_near_as_a_lag_does()
     speeds = Surroundings(drive_span=50.0, dwell_s=0.01)
     assert term("response_lag", "slewing").excited(motion, speeds)
     assert term("response_lag", "slewing").place < term("backlash").place
+    assert not term("response_lag", "slewing").excited(triangle(), around(triangle()))
 
 
 def test_a_force_has_no_teeth_that_could_ripple():

@@ -1,6 +1,6 @@
 """The structured rest: what flexible curves still find in a residual that no term explains."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.special import chdtrc
@@ -95,15 +95,22 @@ def _gain(
 
 
 def _by_noise(flexible: Flexible, choice: Choice, family: NoiseFamily, taken: np.ndarray) -> float:
-    """How many times their freedom curves gain on the mean of DRAWS of a choice's noise."""
-    ground, rng = choice.fit.ground, np.random.default_rng(0)
+    """How many times their freedom curves gain on the mean of DRAWS of noise.
+
+    As it was learnt where cycles repeat, else as the choice has it, which may hold some of the
+    structure; without a walk, which may be all of that.
+    """
+    ground, rng, prior = choice.fit.ground, np.random.default_rng(0), family.prior
     problem, own = ground.problem, np.linalg.pinv(ground.whiten(taken))
+    steady, begun = replace(ground.noise, walk=0.0), (*choice.place[:2], 0)
+    if prior.repeats > 0:
+        steady, begun = replace(prior.model, walk=0.0), (0, 0, 0)
     gains = []
     for _ in range(DRAWS):
-        drawn = ground.noise.drawn(problem.cycle, problem.motion.stands, rng)
+        drawn = steady.drawn(problem.cycle, problem.motion.stands, rng)
         left = np.where(ground.used, drawn, 0.0)
         left = left - taken @ (own @ ground.whiten(left[:, None])[:, 0])
-        place = family.pick(left, choice.place)[1]
+        place = family.pick(left, begun)[1]
         cost, innovations = family.weigh(place, left)[0], ground.whiten(left[:, None])[:, 0]
         gains.append(_gain(flexible, left, innovations, place, family, cost))
     return float(np.mean(gains)) / max(flexible.freedom, 1)
