@@ -19,7 +19,7 @@ NEARLY_CRITICAL = 1e-6
 DENSE = 200
 SPEEDS = 8
 JUMP, RARE = 0.05, 0.2
-SOME, FARTHER = (0.3, 0.5, 0.7, 0.85, 0.95), 1.2
+SOME, SLOWER, FARTHER = (0.3, 0.5, 0.7, 0.85, 0.95), 0.97, 1.2
 FIRST_ORDER = ("first", "whole", "running")
 MOTOR_FIRST, TOP_SPEED = "motor first", "top speed"
 ONE_TIME = (*FIRST_ORDER, MOTOR_FIRST)
@@ -204,7 +204,7 @@ class ResponseLag(Term):
             speeds = fastest * np.geomspace(2e-3, 0.25, SPEEDS)
             return np.array([[lag, speed] for lag in sorted(lags)[::2] for speed in speeds])
         if self.form == TOP_SPEED:
-            return np.unique(np.quantile(speeds_of_steps(motion), SOME))[:, None]
+            return SLOWER * np.unique(np.quantile(speeds_of_steps(motion), SOME))[:, None]
         if self.form not in ONE_TIME:
             paces = {k / unit for k in (0.15, 0.5, 1.5) for unit in (dwell, usual)}
             return np.array(
