@@ -49,6 +49,7 @@ from pipeline.physics.stribeck_friction import StribeckFriction
 from pipeline.physics.swelling_ripple import SwellingRipple
 from pipeline.physics.tension_loss import TensionLoss
 from pipeline.physics.term import Surroundings, Term, TermError, Told
+from pipeline.physics.top_speed import TopSpeed
 from pipeline.physics.transmission_ripple import TransmissionRipple
 from pipeline.physics.turned_gravity import TURNED, TurnedGravity
 from pipeline.physics.two_ripples import TwoRipples
@@ -126,7 +127,7 @@ def terms(other_commands: Iterable[str] = ()) -> tuple[Term, ...]:
         EndStop("lower"),
         *(Coupling(f"{name}{how}") for name in other_commands for how in OFFERED),
         ResponseLag(),
-        ResponseLag("top speed"),
+        TopSpeed(),
         ResponseLag("whole"),
         ResponseLag("running"),
         CameraTilt(),

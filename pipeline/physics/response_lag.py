@@ -19,9 +19,8 @@ NEARLY_CRITICAL = 1e-6
 DENSE = 200
 SPEEDS = 8
 JUMP, RARE = 0.05, 0.2
-SOME, SLOWER, FARTHER = (0.3, 0.5, 0.7, 0.85, 0.95), 0.97, 1.2
 FIRST_ORDER = ("first", "whole", "running")
-MOTOR_FIRST, TOP_SPEED = "motor first", "top speed"
+MOTOR_FIRST = "motor first"
 ONE_TIME = (*FIRST_ORDER, MOTOR_FIRST)
 
 
@@ -93,13 +92,6 @@ def usual_lag_s(around: Surroundings) -> float:
     return max(around.dwell_s, around.period_s / DENSE, 1e-9)
 
 
-def speeds_of_steps(motion: Motion) -> np.ndarray:
-    """How fast the drive goes at each step that moves it, (k,) [drive unit/s]; (0.0,) for none."""
-    steps, taken_s = np.abs(np.diff(motion.drive)), np.diff(motion.time_s)
-    moves = (steps > 0.0) & (taken_s > 0.0)
-    return steps[moves] / taken_s[moves] if np.any(moves) else np.zeros(1)
-
-
 class ResponseLag(Term):
     """x' = (u - x) / tau of a joint without other loads, for a command held through each dwell.
 
@@ -110,8 +102,7 @@ class ResponseLag(Term):
     x'' = w^2 (u - x) - 2 damping w x', w being `natural_frequency`; over the share `moving` of each
     dwell the command runs to its next value. Form "motor" is the same of the motor, before gears
     and wires: as of a servo that is late itself; "motor first" is a motor of first order, "slewing"
-    one that has a top speed. Form "top speed" is a motor that has one and is not late besides: at
-    the larger steps of a robot that steps and waits it does not arrive. Exact, however unevenly
+    one that has a top speed (one that has that alone: `top_speed.py`). Exact, however unevenly
     sampled. Source: first-order lag; Kelvin and Voigt's spring with a dashpot beside it; linear
     system of second order; a rate limiter.
     """
@@ -143,12 +134,12 @@ class ResponseLag(Term):
         self.only_beside = HELD if form == "whole" else ""
         # else chance would decide against old frames and play
         self.unlikely = 3.0 if form in ("running", MOTOR_FIRST) else 0.0
-        self.before_curve = form in ("motor", MOTOR_FIRST, "slewing", TOP_SPEED)
+        self.before_curve = form in ("motor", MOTOR_FIRST, "slewing")
         self.place = 0.0 if self.before_curve else 90.0
 
     @property
     def kin(self) -> str:
-        return "first" if self.form in (*ONE_TIME, TOP_SPEED) else self.form
+        return "first" if self.form in ONE_TIME else self.form
 
     def richer(self) -> tuple[Term, ...]:
         return (*super().richer(), *([ValvedLag()] if self.form in FIRST_ORDER else []))
@@ -160,11 +151,11 @@ class ResponseLag(Term):
         dwell = max(around.dwell_s, 1e-9)
         longest, usual = max(30.0 * dwell, 0.15 * around.period_s), usual_lag_s(around)
         late = Parameter("time_constant", "s", 0.0, longest, usual, usual)
-        if self.form in ("slewing", TOP_SPEED):
+        if self.form == "slewing":
             fastest = 2.0 * max(around.drive_span, 1e-12) / dwell
             low, unit = 1e-4 * fastest, f"{around.drive_unit}/s"
-            speed = Parameter("top_speed", unit, low, fastest, 1e-2 * fastest, 0.0, relative=True)
-            return (speed,) if self.form == TOP_SPEED else (late, speed)
+            return late, Parameter("top_speed", unit, low, fastest, 1e-2 * fastest, 0.0,
+                                   relative=True)  # fmt: skip
         if self.form not in ONE_TIME:
             low, high = 1.0 / longest, 6.0 / dwell
             return (
@@ -187,10 +178,9 @@ class ResponseLag(Term):
             before, at, late = float(state[3]), float(state[1]), float(values[0])
             out = trailed(asked, dwell, late, 1.0, before, at)
             return out, np.array([motion.time_s[-1], out[-1], 0.0, asked[-1]])
-        if self.form in ("whole", MOTOR_FIRST, "slewing", TOP_SPEED):
-            top_speed = float(values[-1]) if self.form in ("slewing", TOP_SPEED) else np.inf
-            late_s = 0.0 if self.form == TOP_SPEED else float(values[0])
-            out = slewed(asked, dwell, late_s, top_speed, float(state[1]))
+        if self.form in ("whole", MOTOR_FIRST, "slewing"):
+            top_speed = float(values[1]) if self.form == "slewing" else np.inf
+            out = slewed(asked, dwell, float(values[0]), top_speed, float(state[1]))
             return out, np.array([motion.time_s[-1], out[-1], 0.0, asked[-1]])
         frequency, damping, moving = (float(value) for value in values)
         out, last = swung(asked, dwell, frequency, damping, moving, float(state[3]), state[1:3])
@@ -203,8 +193,6 @@ class ResponseLag(Term):
             fastest = 2.0 * around.drive_span / dwell
             speeds = fastest * np.geomspace(2e-3, 0.25, SPEEDS)
             return np.array([[lag, speed] for lag in sorted(lags)[::2] for speed in speeds])
-        if self.form == TOP_SPEED:
-            return SLOWER * np.unique(np.quantile(speeds_of_steps(motion), SOME))[:, None]
         if self.form not in ONE_TIME:
             paces = {k / unit for k in (0.15, 0.5, 1.5) for unit in (dwell, usual)}
             return np.array(
@@ -229,26 +217,19 @@ class ResponseLag(Term):
     def excited(self, motion: Motion, around: Surroundings) -> bool:
         """Form "running" where a drive is sampled too often to step and wait, "slewing" there too.
 
-        Elsewhere a top speed shows where the drive jumps, now and then, or, as "top speed" alone,
-        where it goes faster at some of its steps than at others.
+        Elsewhere a top speed shows where the drive jumps, now and then.
         """
-        moves, steps = around.drive_span > 0.0 and around.dwell_s > 0.0, STEP_AND_WAIT_S
+        moves = around.drive_span > 0.0 and around.dwell_s > 0.0
         if self.form == "running":
-            return moves and around.dwell_s < steps
-        if self.form == TOP_SPEED:
-            usual, most = np.quantile(speeds_of_steps(motion), (0.5, 1.0))
-            return moves and around.dwell_s >= steps and bool(most > FARTHER * usual)
+            return moves and around.dwell_s < STEP_AND_WAIT_S
         if self.form != "slewing":
             return moves
         jumps = float(np.mean(np.abs(np.diff(motion.drive)) > JUMP * around.drive_span))
-        return moves and (0.0 < jumps < RARE or around.dwell_s < steps)
+        return moves and (0.0 < jumps < RARE or around.dwell_s < STEP_AND_WAIT_S)
 
     def sentence(self, values: np.ndarray, around: Surroundings) -> str:
         if self.form in ONE_TIME:
             return super().sentence(values, around)
-        if self.form == TOP_SPEED:
-            speed = f"{worded(values[0])} {around.drive_unit}/s"
-            return f"The motor is never faster than {speed}: at larger steps it does not arrive."
         if self.form == "slewing":
             return self.says_of_slewing.format(
                 time_constant=f"{worded(values[0])} s",

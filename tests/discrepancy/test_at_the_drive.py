@@ -26,6 +26,14 @@ def late(drive: np.ndarray, time_constant_s: float) -> np.ndarray:
     return out
 
 
+def hurried(drive: np.ndarray) -> np.ndarray:
+    """A motor that goes 2 degrees in a dwell and no farther."""
+    out = drive.copy()
+    for k in range(1, len(drive)):
+        out[k] = out[k - 1] + np.clip(drive[k] - out[k - 1], -2.0, 2.0)
+    return out
+
+
 def creeping(drive: np.ndarray, times: int) -> np.ndarray:
     """A tenth of each motion comes with the logarithm of time, over two decades from 4 s on."""
     arms = [late(drive, time_s) for time_s in np.geomspace(4.0, 400.0, times)]
@@ -60,6 +68,7 @@ def found_of(drive: np.ndarray, seen: np.ndarray, simulated: np.ndarray, seed: i
             lambda u: creeping(u, 5),
         ),
         ("response_lag", "motor first", [2.0], lambda u: late(u, 2.0)),
+        ("response_lag", "top speed", [2.0 / DWELL_S], hurried),
         ("slack", "of the joint", [6.0, 1e-3, 0.25, 3.0], loose),
     ],
 )  # fmt: skip
@@ -92,3 +101,9 @@ def test_a_link_that_hangs_loose_on_its_joint_behind_a_bent_curve(seed: int):
     drive = turning(seed)
     angle = seen_bent(drive)
     assert found_of(drive, loose(angle), angle, seed) == {"slack"}
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_a_motor_that_is_too_slow_for_the_larger_steps(seed: int):
+    drive = turning(seed)
+    assert found_of(drive, hurried(drive), drive, seed) == {"response_lag"}

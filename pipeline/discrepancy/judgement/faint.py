@@ -30,12 +30,15 @@ def without_faint(explanation: Explanation) -> Explanation:
     if explanation.problem.motion.kinetics is not None:
         return explanation
     choices = explanation.choices
+    firms: list[Choice] = []
     for _ in range(ROUNDS):
         fewer = firm(explanation, choices[0])
         if fewer is choices[0]:
             break
-        kept = [charged(c, fewer) for c in choices if not names(c) > names(fewer)]
-        choices = sorted([fewer, *kept], key=lambda c: c.score)
+        firms.append(fewer)
+        known = [*firms, *explanation.choices]
+        kept = [c for c in known if not any(names(c) > names(f) for f in firms)]
+        choices = sorted((charged(c, fewer) for c in kept), key=lambda c: c.score)
     firmer = replace(explanation, choices=choices)
     if choices is explanation.choices or structure_of(firmer, choices[0]).found:
         return explanation

@@ -6,6 +6,7 @@ import numpy as np
 from scipy.special import chdtrc
 
 from pipeline.discrepancy.fitting.fit import Fit, evaluate
+from pipeline.discrepancy.fitting.ground import Ground
 from pipeline.discrepancy.noise.family import NoiseFamily, Place
 from pipeline.discrepancy.noise.hats import hats
 from pipeline.discrepancy.noise.learning import NoisePrior
@@ -68,13 +69,14 @@ def structured_rest(choice: Choice, family: NoiseFamily) -> list[Rest]:
     residual = np.where(ground.used, problem.measured - fit.predicted, 0.0)
     cost = family.weigh(choice.place, residual)[0]
     taken = followed(fit)
+    own = np.linalg.pinv(ground.whiten(taken))
     out = []
     for where, columns in curves(problem).items():
-        flexible = _beside(columns, choice, taken)
+        flexible = _beside(columns, ground, taken, own)
         freedom, innovations = flexible.freedom, fit.innovations
         gain = _gain(flexible, residual, innovations, choice.place, family, cost)
         if problem.derivatives is None and chdtrc(freedom, gain) < DOUBTED:
-            gain /= max(_by_noise(flexible, choice, family, taken), 1.0)
+            gain /= max(_by_noise(flexible, choice, family, taken, own), 1.0)
         count = ground.count / ground.noise.spell
         size = ground.noise.deviation * float(np.sqrt(max(gain - freedom, 0.0) / count))
         out.append(Rest(where, gain, freedom, float(chdtrc(freedom, gain)), size))
@@ -94,20 +96,22 @@ def _gain(
     return max(cost - family.weigh(family.pick(rest, place)[1], rest)[0], 0.0)
 
 
-def _by_noise(flexible: Flexible, choice: Choice, family: NoiseFamily, taken: np.ndarray) -> float:
+def _by_noise(
+    flexible: Flexible, choice: Choice, family: NoiseFamily, taken: np.ndarray, own: np.ndarray
+) -> float:
     """How many times their freedom curves gain on the mean of DRAWS of noise.
 
     As it was learnt where cycles repeat, else as the choice has it, which may hold some of the
     structure; without a walk, which may be all of that.
     """
     ground, rng, prior = choice.fit.ground, np.random.default_rng(0), family.prior
-    problem, own = ground.problem, np.linalg.pinv(ground.whiten(taken))
+    motion = ground.problem.motion
     steady, begun = replace(ground.noise, walk=0.0), (*choice.place[:2], 0)
     if prior.repeats > 0:
         steady, begun = replace(prior.model, walk=0.0), (0, 0, 0)
     gains = []
     for _ in range(DRAWS):
-        drawn = steady.drawn(problem.cycle, problem.motion.stands, rng)
+        drawn = steady.drawn(ground.problem.cycle, motion.stands, rng)
         left = np.where(ground.used, drawn, 0.0)
         left = left - taken @ (own @ ground.whiten(left[:, None])[:, 0])
         place = family.pick(left, begun)[1]
@@ -148,12 +152,13 @@ def followed(fit: Fit) -> np.ndarray:
     return out
 
 
-def _beside(columns: np.ndarray, choice: Choice, taken: np.ndarray) -> Flexible:
-    """Curves (n, k) beside those taken, but for those that are among them."""
-    ground = choice.fit.ground
+def _beside(columns: np.ndarray, ground: Ground, taken: np.ndarray, own: np.ndarray) -> Flexible:
+    """Curves (n, k) beside those taken, but for those that are among them.
+
+    own: (m, count) what follows the columns taken (n, m) in whitened ones.
+    """
     columns = np.where(ground.used[:, None], columns, 0.0)
-    white, own = ground.whiten(columns), np.linalg.pinv(ground.whiten(taken))
-    columns = columns - taken @ (own @ white)
+    columns = columns - taken @ (own @ ground.whiten(columns))
     free = ground.whiten(columns)
     size = np.sqrt(np.einsum("ij,ij->j", free, free))
     keep = size > 1e-6 * max(float(size.max(initial=0.0)), 1e-12)

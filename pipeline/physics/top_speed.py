@@ -1,0 +1,67 @@
+"""A motor that has a top speed: at the larger steps of a robot that steps and waits it is late."""
+
+import numpy as np
+
+from pipeline.physics.held import STEP_AND_WAIT_S, dwells, slewed
+from pipeline.physics.motion import Motion
+from pipeline.physics.response_lag import ResponseLag
+from pipeline.physics.term import Parameter, Surroundings, Term
+
+SOME, SLOWER, FARTHER = (0.3, 0.5, 0.7, 0.85, 0.95), 0.97, 1.2
+
+
+class TopSpeed(Term):
+    """|x'| <= top_speed, else x = u, of a command u that is held through each dwell.
+
+    Before gears and wires. One that is late besides is `response_lag/slewing`. Source: a rate
+    limiter.
+    """
+
+    name = "response_lag"
+    site = "body"
+    place = 0.0
+    remembers = "time"
+    group = "lag"
+    timed = True
+    before_curve = True
+    form = "top speed"
+    says = "The motor is never faster than {top_speed}: at larger steps it does not arrive."
+
+    @property
+    def kin(self) -> str:
+        return ResponseLag().kin
+
+    def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
+        fastest = 2.0 * max(around.drive_span, 1e-12) / max(around.dwell_s, 1e-9)
+        low, unit = 1e-4 * fastest, f"{around.drive_unit}/s"
+        return (Parameter("top_speed", unit, low, fastest, 1e-2 * fastest, 0.0, relative=True),)
+
+    def respond(
+        self, signal: np.ndarray, motion: Motion, values: np.ndarray, state: np.ndarray | None
+    ) -> tuple[np.ndarray, np.ndarray]:
+        last_s, at = (motion.time_s[0], signal[0]) if state is None else state
+        dwell, asked = dwells(motion, float(last_s)), np.ascontiguousarray(signal)
+        out = slewed(asked, dwell, 0.0, float(values[0]), float(at))
+        return out, np.array([motion.time_s[-1], out[-1]])
+
+    def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
+        return SLOWER * np.unique(np.quantile(speeds_of_steps(motion), SOME))[:, None]
+
+    def scaled(self, values: np.ndarray, factor: float) -> np.ndarray:
+        return values.copy()
+
+    def void(self, values: np.ndarray) -> bool:
+        return False
+
+    def excited(self, motion: Motion, around: Surroundings) -> bool:
+        """Where a robot that steps and waits goes faster at some of its steps than at others."""
+        usual, most = np.quantile(speeds_of_steps(motion), (0.5, 1.0))
+        waits = around.drive_span > 0.0 and around.dwell_s >= STEP_AND_WAIT_S
+        return waits and bool(most > FARTHER * usual)
+
+
+def speeds_of_steps(motion: Motion) -> np.ndarray:
+    """How fast the drive goes at each step that moves it, (k,) [drive unit/s]; (0.0,) for none."""
+    steps, taken_s = np.abs(np.diff(motion.drive)), np.diff(motion.time_s)
+    moves = (steps > 0.0) & (taken_s > 0.0)
+    return steps[moves] / taken_s[moves] if np.any(moves) else np.zeros(1)
