@@ -19,7 +19,7 @@ from pipeline.physics.catalogue import term
 from pipeline.physics.mechanism import Mechanism, Piece
 from pipeline.physics.motion import Motion
 from pipeline.physics.play_operator import play
-from pipeline.physics.response_lag import swung
+from pipeline.physics.second_order_lag import swung
 
 SAMPLES, CYCLES, ROUNDS = 1800, 9, 200
 WANTED_US = 20.0

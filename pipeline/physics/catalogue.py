@@ -35,8 +35,9 @@ from pipeline.physics.motion import Motion
 from pipeline.physics.off_centre_ripple import OffCentreRipple
 from pipeline.physics.queued_frames import QueuedFrames
 from pipeline.physics.recurring_slip import RecurringSlip
-from pipeline.physics.response_lag import ResponseLag, swinging_as
+from pipeline.physics.response_lag import ResponseLag
 from pipeline.physics.rubbing_wire import RUBBING
+from pipeline.physics.second_order_lag import swinging_as
 from pipeline.physics.sheath_force import SheathForce
 from pipeline.physics.sheath_stretch import SheathStretch
 from pipeline.physics.single_bump import SingleBump

@@ -9,7 +9,7 @@ from pipeline.number_words import worded
 from pipeline.physics.decay import decayed
 from pipeline.physics.force_term import ForceTerm
 from pipeline.physics.motion import Motion
-from pipeline.physics.response_lag import swung
+from pipeline.physics.second_order_lag import swung
 from pipeline.physics.term import Parameter, Surroundings
 
 LATE, SWINGING = "force", "force second"

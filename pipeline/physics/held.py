@@ -4,13 +4,38 @@ import numpy as np
 from numba import njit
 
 from pipeline.physics.motion import Motion
+from pipeline.physics.term import Parameter, Surroundings
 
 STEP_AND_WAIT_S = 0.5  # a robot that is sampled no more often steps and waits
+DENSE = 200
+LAGS = (0.3, 0.7, 1.5, 4.0)
 
 
 def dwells(motion: Motion, last_time: float) -> np.ndarray:
     """Time that each command had before its sample was taken, (n,) [s]."""
     return np.diff(motion.time_s, prepend=last_time)
+
+
+def usual_lag_s(around: Surroundings) -> float:
+    """A lag that is usual: a dwell, or a small part of a cycle that is sampled densely [s]."""
+    return max(around.dwell_s, around.period_s / DENSE, 1e-9)
+
+
+def usual_lags_s(around: Surroundings) -> list[float]:
+    """Lags to begin a search from, the shortest first [s]."""
+    units = max(around.dwell_s, 1e-9), usual_lag_s(around)
+    return sorted({k * unit for k in LAGS for unit in units})
+
+
+def longest_lag_s(around: Surroundings) -> float:
+    """The longest lag that is one: thirty dwells, or a seventh of a cycle [s]."""
+    return max(30.0 * max(around.dwell_s, 1e-9), 0.15 * around.period_s)
+
+
+def lag_parameter(around: Surroundings) -> Parameter:
+    """The time constant of a lag [s]."""
+    usual = usual_lag_s(around)
+    return Parameter("time_constant", "s", 0.0, longest_lag_s(around), usual, usual)
 
 
 @njit(cache=True)

@@ -6,7 +6,7 @@ import numpy as np
 
 from pipeline.physics.held import dwells, trailed
 from pipeline.physics.motion import Motion
-from pipeline.physics.response_lag import ResponseLag
+from pipeline.physics.second_order_lag import SecondOrderLag
 from pipeline.physics.term import Parameter, Surroundings, Term, Told
 
 RISING = "rising"
@@ -75,7 +75,7 @@ class RisingCreep(Term):
 
     def instead(self, values: np.ndarray, motion: Motion, around: Surroundings) -> Sequence[Told]:
         """A motor that is late: beside slack or a stop it looks so, and no plain lag is near it."""
-        late = ResponseLag("motor")
+        late = SecondOrderLag("motor")
         return [[(late, start)] for start in late.candidates(motion, around)]
 
     def excited(self, motion: Motion, around: Surroundings) -> bool:

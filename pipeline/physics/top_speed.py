@@ -4,7 +4,7 @@ import numpy as np
 
 from pipeline.physics.held import STEP_AND_WAIT_S, dwells, slewed
 from pipeline.physics.motion import Motion
-from pipeline.physics.response_lag import ResponseLag
+from pipeline.physics.slewing_motor import speed_parameter
 from pipeline.physics.term import Parameter, Surroundings, Term
 
 SOME, SLOWER, FARTHER = (0.3, 0.5, 0.7, 0.85, 0.95), 0.97, 1.2
@@ -29,12 +29,10 @@ class TopSpeed(Term):
 
     @property
     def kin(self) -> str:
-        return ResponseLag().kin
+        return "first"
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
-        fastest = 2.0 * max(around.drive_span, 1e-12) / max(around.dwell_s, 1e-9)
-        low, unit = 1e-4 * fastest, f"{around.drive_unit}/s"
-        return (Parameter("top_speed", unit, low, fastest, 1e-2 * fastest, 0.0, relative=True),)
+        return (speed_parameter(around),)
 
     def respond(
         self, signal: np.ndarray, motion: Motion, values: np.ndarray, state: np.ndarray | None

@@ -4,7 +4,7 @@ import numpy as np
 from numba import njit
 
 from pipeline.number_words import worded
-from pipeline.physics.held import dwells
+from pipeline.physics.held import dwells, longest_lag_s
 from pipeline.physics.motion import Motion
 from pipeline.physics.term import Parameter, Surroundings, Term
 
@@ -44,8 +44,7 @@ class ValvedLag(Term):
     says = "The whole motion comes late, with a time constant of {time_constant} as it rises"
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
-        dwell = max(around.dwell_s, 1e-9)
-        longest = max(30.0 * dwell, 0.15 * around.period_s)
+        dwell, longest = max(around.dwell_s, 1e-9), longest_lag_s(around)
         return (
             Parameter("time_constant", "s", 0.0, longest, dwell, dwell),
             Parameter("ratio", "", LEAST, MOST, 1.0, 0.5),

@@ -16,9 +16,11 @@ from tests.discrepancy.made import (
 )
 
 
-def test_a_zero_that_walks_is_no_drift_until_the_odds_are_two_to_one():
-    recording = recorded({}, seed=227, cycles=9)
-    walk = np.cumsum(np.random.default_rng(7227).normal(0.0, 0.005, len(recording.values(ANGLE))))
+@pytest.mark.parametrize(("seed", "step"), [(227, 0.005), (501, 0.0025), (547, 0.012)])
+def test_a_zero_that_walks_is_no_drift_until_the_odds_are_ten_to_one(seed, step):
+    recording = recorded({}, seed=seed, cycles=9)
+    rng = np.random.default_rng(7000 + seed)
+    walk = np.cumsum(rng.normal(0.0, step, len(recording.values(ANGLE))))
     result = diagnosed(changed(recording, **{ANGLE: recording.values(ANGLE) + walk}))
     assert result.diagnoses[0].verdict == "no_mismatch"
 

@@ -16,7 +16,7 @@ from pipeline.physics.coupling import Coupling
 from pipeline.physics.kinematics import CubicCurve
 from pipeline.physics.mechanism import Mechanism, Piece
 from pipeline.physics.motion import Motion
-from pipeline.physics.response_lag import ResponseLag
+from pipeline.physics.second_order_lag import SecondOrderLag
 from pipeline.recording import Recording
 from pipeline.stages.diagnosis import diagnose
 from pipeline.stages.prediction import predict
@@ -107,7 +107,7 @@ def swinging(keep: np.ndarray, jitter: float) -> Recording:
     time_s = np.cumsum(0.2 * (1.0 + jitter * rng.uniform(-1, 1, n)))
     command = 20.0 * np.sign(np.sin(2 * np.pi * np.arange(n) / 60.0)) + 10.0 * np.sin(time_s / 9.0)
     motion = Motion(command, time_s, np.arange(n) // 60)
-    truth = Mechanism(pieces=(Piece(ResponseLag("second"), np.array([3.0, 0.3, 0.5])),))
+    truth = Mechanism(pieces=(Piece(SecondOrderLag(), np.array([3.0, 0.3, 0.5])),))
     answer = truth.respond(motion)[0] + 0.05 * rng.standard_normal(n)
     samples = recorded({}, cycles=8).samples.iloc[:n].copy()
     measured = {ANGLE: np.where(keep, answer, np.nan), SIMULATED: command}
@@ -123,7 +123,7 @@ def test_a_swing_is_the_same_whether_sampled_evenly_or_not(share, jitter):
     recording = swinging(keep, jitter)
     problem = posed(recording)
     ground = ground_of(problem, NoiseModel(0.05), problem.train)
-    physics = ResponseLag("second")
+    physics = SecondOrderLag()
     starts = physics.candidates(problem.motion, problem.around)
     begun = min((evaluate(ground, (Piece(physics, v),)) for v in starts), key=lambda f: f.cost)
     fit = improve(begun, 30)
@@ -134,7 +134,7 @@ def test_a_swing_is_the_same_whether_sampled_evenly_or_not(share, jitter):
 def test_first_and_second_order_agree_where_the_swing_is_dead():
     motion = Motion(np.ones(50), np.linspace(0.0, 10.0, 50), np.zeros(50, dtype=int))
     state = {"response_lag/second": np.array([0.0, 0.0, 0.0, 1.0])}
-    heavy = Mechanism(pieces=(Piece(ResponseLag("second"), np.array([100.0, 50.0, 0.0])),))
+    heavy = Mechanism(pieces=(Piece(SecondOrderLag(), np.array([100.0, 50.0, 0.0])),))
     answer = heavy.respond(motion, state)[0]
     assert answer == pytest.approx(1.0 - np.exp(-motion.time_s), abs=2e-3)
 
@@ -145,7 +145,7 @@ def test_a_command_that_runs_is_followed_as_by_many_short_steps(damping):
     command = np.random.default_rng(4).uniform(-5.0, 5.0, 40)
     values = np.array([1.3, damping, 0.6])
     motion = Motion(command, time_s, np.zeros(40, dtype=int))
-    whole = Mechanism(pieces=(Piece(ResponseLag("second"), values),)).respond(motion)[0]
+    whole = Mechanism(pieces=(Piece(SecondOrderLag(), values),)).respond(motion)[0]
     fine_s = np.arange(0.0, 39.0005, 1e-3)
     part = np.clip((fine_s % 1.0) / 0.6, 0.0, 1.0)
     k = np.minimum(fine_s.astype(int), 38)
@@ -153,7 +153,7 @@ def test_a_command_that_runs_is_followed_as_by_many_short_steps(damping):
     stepped[-1] = command[39]
     fine = Motion(stepped, fine_s, np.zeros(len(fine_s), dtype=int))
     values = np.array([1.3, damping, 0.0])
-    answer = Mechanism(pieces=(Piece(ResponseLag("second"), values),)).respond(fine)[0]
+    answer = Mechanism(pieces=(Piece(SecondOrderLag(), values),)).respond(fine)[0]
     np.testing.assert_allclose(whole, answer[::1000], atol=0.02)
 
 

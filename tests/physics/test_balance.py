@@ -18,6 +18,7 @@ from pipeline.physics.kinematics import CubicCurve, SampledCurve, sampled_curve
 from pipeline.physics.mechanism import Mechanism, Piece
 from pipeline.physics.motion import Motion
 from pipeline.physics.response_lag import ResponseLag
+from pipeline.physics.second_order_lag import SecondOrderLag
 from pipeline.physics.slack import Slack
 from pipeline.physics.soft_wire import SoftWire
 from pipeline.physics.term import Surroundings
@@ -387,7 +388,7 @@ def test_slack_at_home_is_slack_whose_centre_is_zero():
 def test_a_motor_that_is_late_moves_the_play_behind_it():
     time_s = np.arange(400) * 0.02
     motion = Motion(20.0 * np.sin(3.0 * time_s), time_s, np.zeros(400, dtype=int))
-    lag = Piece(ResponseLag("motor"), np.array([25.0, 0.3, 1.0]))
+    lag = Piece(SecondOrderLag("motor"), np.array([25.0, 0.3, 1.0]))
     late = Motion(answer(motion, lag), time_s, motion.cycle)
     play = Piece(Backlash(), np.array([4.0]))
     np.testing.assert_allclose(answer(motion, play, lag), answer(late, play))

@@ -23,7 +23,7 @@ MOST_LEFT = 0.1
 PLAINLY, PLAINLY_OF_PILE = 4.0, 8.0
 UNFOLLOWED = 0.7
 FORM_ERROR = 0.05
-ODDS, BESIDE, RESTLESS, COMMONER = 2.0, 3.0, 7.0, 9.0
+ODDS, BESIDE, RESTLESS, COMMONER = 10.0, 3.0, 7.0, 9.0
 USUAL = 3  # a zero that jitters by 0.3 of the noise, or walks by 0.017 of it from row to row
 
 
@@ -47,12 +47,12 @@ def follows(explanation: Explanation, choice: Choice) -> bool:
 def sure_of_slow(explanation: Explanation, best: Choice) -> Choice:
     """The best choice, without its drift and slips where they may be noise that wanders.
 
-    Where cycles repeat, such a zero is nothing to be named by itself: the odds against it must be 2
-    to 1. Beside other names the simulation is known to leave things out, and a zero that walks is
-    told as the drift or slip that fits about as well; one that is as restless as hardly a sensor's
-    is, as what makes it calmer, even if that is worth no more than its own charge. Nor is a drift
-    or slip told beside them that fits hardly better than a zero that jitters from cycle to cycle,
-    which is COMMONER times as common.
+    Where cycles repeat, such a zero is nothing to be named by itself: the odds against it must be
+    10 to 1. Beside other names the simulation is known to leave things out, and a zero that walks
+    is told as the drift or slip that fits about as well; one that is as restless as hardly a
+    sensor's is, as what makes it calmer, even if that is worth no more than its own charge. Nor is
+    a drift or slip told beside them that fits hardly better than a zero that jitters from cycle to
+    cycle, which is COMMONER times as common.
     """
     others = names(best) - best.fit.slow
     if others and best.fit.slow:

@@ -20,7 +20,7 @@ from pipeline.physics.driven_slack import DrivenSlack
 from pipeline.physics.friction import Friction
 from pipeline.physics.lost_steps import TIMES, LostSteps
 from pipeline.physics.mechanism import Piece
-from pipeline.physics.response_lag import ResponseLag
+from pipeline.physics.second_order_lag import SecondOrderLag
 from pipeline.physics.slack import Slack
 from pipeline.physics.stiffness import Stiffness
 from pipeline.physics.term import Term
@@ -144,7 +144,7 @@ def merged(search: Search, choice: Choice) -> Choice:
         fit, place = evaluate(choice.fit.ground, rest), [p is lag for p in rest].index(True)
         for form in ("second", "motor"):
             if lag.term.form != form:
-                trial = search.weighed(reformed(fit, place, ResponseLag(form)), choice.place)
+                trial = search.weighed(reformed(fit, place, SecondOrderLag(form)), choice.place)
                 if trial.score < choice.score + NEAR:
                     trial = simpler(search, trial)
                 choice = min(choice, trial, key=lambda c: c.score)

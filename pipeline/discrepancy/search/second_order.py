@@ -17,9 +17,9 @@ from pipeline.discrepancy.search.polish import polished
 from pipeline.discrepancy.search.refuted import misfits, refuted
 from pipeline.physics.frame_lag import FrameLag
 from pipeline.physics.mechanism import Piece
-from pipeline.physics.response_lag import ResponseLag
+from pipeline.physics.second_order_lag import SecondOrderLag
 
-SWINGING = ResponseLag("second")
+SWINGING = SecondOrderLag()
 BEGUN = 4
 RESOLVED = 2.0  # times the finest step that the numbers tell apart
 

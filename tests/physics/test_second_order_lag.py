@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from pipeline.physics.response_lag import swung
+from pipeline.physics.second_order_lag import swung
 
 
 @pytest.mark.parametrize("damping", [0.2, 1.0, 1.7])

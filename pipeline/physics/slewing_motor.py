@@ -1,0 +1,70 @@
+"""A motor that is late and has a top speed."""
+
+import numpy as np
+
+from pipeline.physics.held import STEP_AND_WAIT_S, dwells, lag_parameter, slewed, usual_lags_s
+from pipeline.physics.motion import Motion
+from pipeline.physics.term import Parameter, Surroundings, Term
+
+SPEEDS = 8
+JUMP, RARE = 0.05, 0.2
+
+
+class SlewingMotor(Term):
+    """x' = (u - x) / tau, |x'| <= top_speed, before gears and wires, u held through each dwell.
+
+    One that has a top speed alone is `response_lag/top speed`. Exact, however unevenly sampled.
+    Source: first-order lag; a rate limiter.
+    """
+
+    name = "response_lag"
+    site = "body"
+    form = "slewing"
+    place = 0.0
+    remembers = "time"
+    group = "lag"
+    timed = True
+    before_curve = True
+    says = (
+        "The motor comes late, with a time constant of {time_constant}, and is never faster than "
+        "{top_speed}."
+    )
+
+    def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
+        return lag_parameter(around), speed_parameter(around)
+
+    def respond(
+        self, signal: np.ndarray, motion: Motion, values: np.ndarray, state: np.ndarray | None
+    ) -> tuple[np.ndarray, np.ndarray]:
+        last_s, at = (motion.time_s[0], signal[0]) if state is None else state
+        dwell, asked = dwells(motion, float(last_s)), np.ascontiguousarray(signal)
+        out = slewed(asked, dwell, float(values[0]), float(values[1]), float(at))
+        return out, np.array([motion.time_s[-1], out[-1]])
+
+    def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
+        speeds = fastest(around) * np.geomspace(2e-3, 0.25, SPEEDS)
+        return np.array([[lag, speed] for lag in usual_lags_s(around)[::2] for speed in speeds])
+
+    def scaled(self, values: np.ndarray, factor: float) -> np.ndarray:
+        """As it is: it does the more, the slower it is."""
+        return values.copy()
+
+    def void(self, values: np.ndarray) -> bool:
+        return False
+
+    def excited(self, motion: Motion, around: Surroundings) -> bool:
+        """Where a drive is sampled too often to step and wait, or jumps now and then."""
+        jumps = float(np.mean(np.abs(np.diff(motion.drive)) > JUMP * around.drive_span))
+        shows = 0.0 < jumps < RARE or around.dwell_s < STEP_AND_WAIT_S
+        return around.drive_span > 0.0 and around.dwell_s > 0.0 and shows
+
+
+def fastest(around: Surroundings) -> float:
+    """Twice the drive's range within one dwell [drive unit/s]: as good as no top speed."""
+    return 2.0 * max(around.drive_span, 1e-12) / max(around.dwell_s, 1e-9)
+
+
+def speed_parameter(around: Surroundings) -> Parameter:
+    """A top speed [drive unit/s]."""
+    most, unit = fastest(around), f"{around.drive_unit}/s"
+    return Parameter("top_speed", unit, 1e-4 * most, most, 1e-2 * most, 0.0, relative=True)
