@@ -5,12 +5,13 @@ from typing import ClassVar, Protocol
 
 import numpy as np
 
-from pipeline.physics.held import STEP_AND_WAIT_S, dwells, trailed
+from pipeline.physics.held import dwells, trailed
 from pipeline.physics.motion import Motion
 from pipeline.physics.play_operator import play
 from pipeline.physics.term import Parameter, Surroundings
 
 MOST_OF_LEVER = 0.9
+STEP_S = 0.5
 BRIEFEST_S = 1e-6
 
 
@@ -35,7 +36,7 @@ class Scale:
 
     @property
     def speed(self) -> float:
-        steps = max(self.dwell_s / STEP_AND_WAIT_S, 1.0)
+        steps = max(self.dwell_s / STEP_S, 1.0)
         return 2.0 * self.span / self.period_s * steps
 
 
@@ -136,7 +137,7 @@ class Late:
 class Rate:
     """damping v', v' being the mean speed of the step that came last.
 
-    A robot that steps and waits takes as long for each of its steps: STEP_AND_WAIT_S by convention.
+    A robot that steps and waits takes as long for each of its steps: STEP_S by convention.
     Source: a damper between the wires; the limit of `Late` where that is brief.
     """
 
@@ -157,7 +158,7 @@ class Rate:
         self, values: np.ndarray, other: np.ndarray, motion: Motion, state: np.ndarray | None
     ) -> tuple[np.ndarray, np.ndarray]:
         last_s, last = (motion.time_s[0], other[0]) if state is None else state
-        moving = np.clip(dwells(motion, float(last_s)), BRIEFEST_S, STEP_AND_WAIT_S)
+        moving = np.clip(dwells(motion, float(last_s)), BRIEFEST_S, STEP_S)
         speed = np.diff(other, prepend=last) / moving
         return values[0] * speed, np.array([motion.time_s[-1], other[-1]])
 

@@ -9,9 +9,9 @@ from pipeline.physics.term import Parameter, Surroundings, Term
 
 HOUR_S = 3600.0
 SHORTEST, CYCLES = 0.15, 1.5
-UNLIKELY = {"wave": 6.0, "quadratic": 4.0}
+UNLIKELY = {"wave": 3.0, "rising wave": 3.0, "quadratic": 4.0}
 """A wave follows what jitters by cycle, too; what warms up comes to rest, unlike a parabola."""
-SETTLING = 0.1
+SETTLING, QUICKEST_CYCLES = 0.1, 0.3
 WARMING = {"exponential": 0.02, "settling": SETTLING}
 """Forms that come to rest, by the shortest time constant [share of the recording]."""
 
@@ -20,10 +20,12 @@ class Drift(Term):
     """seen = theta + d(t), t from the first sample.
 
     Forms: "linear" d = rate t; "quadratic" d = rate t + acceleration t^2 / 2; "cycle" d = rate n, n
-    the number of the cycle; "exponential" d = amplitude (1 - exp(-t / tau)), "settling" the same
-    with a tau of at least SETTLING of the recording: settled sooner, it is an offset; "wave" d =
-    amplitude (sin(2 pi t / period + phase) - sin phase), slower than the cycles: a wave as quick as
-    these is what the commands do. Source: thermal drift of first order; definition.
+    the number of the cycle; "settling cycle" d = amplitude (1 - exp(-n / constant)); "exponential"
+    d = amplitude (1 - exp(-t / tau)), "settling" the same with a tau of at least SETTLING of the
+    recording: settled sooner, it is an offset; "wave" d = amplitude (sin(2 pi t / period + phase) -
+    sin phase), slower than the cycles: a wave as quick as these is what the commands do; "rising
+    wave" the same + rate t: a room that warms up over days. Source: thermal drift of first order;
+    definition.
     """
 
     name = "drift"
@@ -31,7 +33,12 @@ class Drift(Term):
     place = 230.0
     adds = True
     slow = True
-    grows: ClassVar = {"linear": ("quadratic",)}
+    grows: ClassVar = {
+        "linear": ("quadratic",),
+        "cycle": ("settling cycle",),
+        "exponential": ("settling cycle",),
+        "wave": ("rising wave",),
+    }
     means = "the zero wanders with time or from cycle to cycle"
     says = "The zero wanders while it runs."
 
@@ -65,18 +72,25 @@ class Drift(Term):
             quickest = WARMING[self.form] * duration
             tau = Parameter("time_constant", "s", quickest, 2 * duration, duration / 4, 0.0)
             return (amplitude, tau)
-        return (
+        if self.form == "settling cycle":
+            most = 2.0 * max(around.cycles, 1)
+            return (amplitude, Parameter("constant", "cycles", QUICKEST_CYCLES, most, 2.0, 0.0))
+        wave = (
             amplitude,
             Parameter("period", "s", shortest(around), 3.0 * duration, duration, 0.0),
             Parameter("phase", "rad", -2 * np.pi, 2 * np.pi, 0.0, 0.0),
         )
+        return wave if self.form == "wave" else (*wave, rate(span, duration, unit))
 
     def respond(
         self, signal: np.ndarray, motion: Motion, values: np.ndarray, state: np.ndarray | None
     ) -> tuple[np.ndarray, np.ndarray]:
         first = np.array([motion.time_s[0], motion.cycle[0]]) if state is None else state
+        number = motion.cycle - first[1]
         if self.form == "cycle":
-            return signal + values[0] * (motion.cycle - first[1]), first
+            return signal + values[0] * number, first
+        if self.form == "settling cycle":
+            return signal - values[0] * np.expm1(-number / values[1]), first
         t = motion.time_s - first[0]
         if self.form in ("linear", "quadratic"):
             hours = t / HOUR_S
@@ -85,6 +99,7 @@ class Drift(Term):
             drift = -values[0] * np.expm1(-t / values[1])
         else:
             drift = values[0] * (np.sin(2 * np.pi * t / values[1] + values[2]) - np.sin(values[2]))
+            drift += sum(values[3:]) * t / HOUR_S
         return signal + drift, first
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
@@ -93,10 +108,13 @@ class Drift(Term):
         if self.form in WARMING:
             shares = [s for s in (0.03, 0.1, 0.3, 1.0) if s >= WARMING[self.form]]
             return np.array([[size, s * duration] for s in shares])
-        if self.form == "wave":
+        if self.form == "settling cycle":
+            return np.array([[size, cycles] for cycles in (1.0, 2.5)])
+        if "wave" in self.form:
             periods = [p for p in duration / np.arange(0.5, 5.0, 0.5) if p >= shortest(around)]
+            level = [0.0] * (self.form != "wave")
             phases = np.arange(4) * np.pi / 4
-            return np.array([[size, period, phase] for period in periods for phase in phases])
+            return np.array([[size, p, phase, *level] for p in periods for phase in phases])
         return np.array([[p.start for p in self.parameters(around)]])
 
     def void(self, values: np.ndarray) -> bool:

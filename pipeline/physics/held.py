@@ -6,7 +6,7 @@ from numba import njit
 from pipeline.physics.motion import Motion
 from pipeline.physics.term import Parameter, Surroundings
 
-STEP_AND_WAIT_S = 0.5  # a robot that is sampled no more often steps and waits
+STEP_AND_WAIT_S = 1.0  # a robot that is sampled no more often steps and waits
 DENSE = 200
 LAGS = (0.3, 0.7, 1.5, 4.0)
 

@@ -10,14 +10,14 @@ from pipeline.physics.motion import Motion
 from pipeline.physics.term import Parameter, Surroundings
 from pipeline.physics.transmission_ripple import TransmissionRipple
 
-APART = 1.5
+ONCE, APART = 1.5, 0.75
 
 
 class TwoRipples(TransmissionRipple):
     """x = u + a sin(2 pi u / period + phase) + b sin(2 pi u / other_period + other_phase).
 
-    A wave that the drive runs through less than one and a half times is a bend beside the other,
-    and two that fall out of step less often than that are one that swells at some place.
+    A wave that the drive runs through less than ONCE (and a half) is a bend beside the other, and
+    two that fall out of step less often than APART are one that swells at some place.
     Source: as of one ripple.
     """
 
@@ -42,7 +42,7 @@ class TwoRipples(TransmissionRipple):
 
     def slight(self, values: np.ndarray, around: Surroundings) -> bool:
         first, other = around.drive_span / values[[1, 4]]
-        return bool(min(first, other, abs(first - other)) < APART)
+        return bool(min(first, other) < ONCE or abs(first - other) < APART)
 
     def sentence(self, values: np.ndarray, around: Surroundings) -> str:
         waves, unit = self.waves(values), around.drive_unit

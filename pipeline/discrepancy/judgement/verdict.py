@@ -14,6 +14,7 @@ from pipeline.discrepancy.judgement.structure import (
     share_left,
     structure_of,
 )
+from pipeline.discrepancy.noise.family import usual_charge
 from pipeline.discrepancy.search.choose import Choice, names, piled, wanders
 from pipeline.discrepancy.search.explain import Explanation
 from pipeline.discrepancy.search.pressed import plainer
@@ -47,29 +48,41 @@ def follows(explanation: Explanation, choice: Choice) -> bool:
 def sure_of_slow(explanation: Explanation, best: Choice) -> Choice:
     """The best choice, without its drift and slips where they may be noise that wanders.
 
-    Where cycles repeat, such a zero is nothing to be named by itself: the odds against it must be
-    10 to 1. Beside other names the simulation is known to leave things out, and a zero that walks
-    is told as the drift or slip that fits about as well; one that is as restless as hardly a
-    sensor's is, as what makes it calmer, even if that is worth no more than its own charge. Nor is
-    a drift or slip told beside them that fits hardly better than a zero that jitters from cycle to
-    cycle, which is COMMONER times as common.
+    Such a zero is nothing to be named by itself: the odds against it must be 10 to 1, as they are
+    where cycles repeat. Beside other names the simulation is known to leave things out, and a zero
+    that walks is told as the drift or slip that fits about as well; one that is as restless as
+    hardly a sensor's is, as what makes it calmer, even if that is worth no more than its own
+    charge. Nor is a drift or slip told beside them that fits hardly better than a zero that jitters
+    from cycle to cycle, which is COMMONER times as common.
     """
     others = names(best) - best.fit.slow
     if others and best.fit.slow:
         return unslowed(explanation, best)
+    if not others:
+        return unless_it_wanders(explanation, best)
     if explanation.prior.repeats == 0:
         return best
-    if others:
-        slow = [c for c in explanation.choices if c.fit.slow and names(c) - c.fit.slow == others]
-        restless, walk = max(unrest(best)) > USUAL, best.place[2]
-        calmer = [c for c in slow if unrest(c) < unrest(best) and (restless or c.place[2] < walk)]
-        told = min(calmer, key=lambda c: c.score, default=best)
-        within = RESTLESS if restless else BESIDE
-        return told if told.score < best.score + within else best
-    fewer_slow = [c for c in explanation.choices if names(c) < names(best)]
-    rivals = [c for c in fewer_slow if wanders(c.place)]
-    rival = min(rivals, key=lambda c: c.score, default=best)
-    return rival if rival.score < best.score + 2.0 * np.log(ODDS) else best
+    slow = [c for c in explanation.choices if c.fit.slow and names(c) - c.fit.slow == others]
+    restless, walk = max(unrest(best)) > USUAL, best.place[2]
+    calmer = [c for c in slow if unrest(c) < unrest(best) and (restless or c.place[2] < walk)]
+    told = min(calmer, key=lambda c: c.score, default=best)
+    within = RESTLESS if restless else BESIDE
+    return told if told.score < best.score + within else best
+
+
+def unless_it_wanders(explanation: Explanation, best: Choice) -> Choice:
+    """The best choice, or one of fewer names beside a zero that wanders, unless ODDS are against.
+
+    A zero that moves is charged as where cycles repeat: then it is as usual as a drift.
+    """
+
+    def evenly(choice: Choice) -> float:
+        unusual = explanation.search.family.charge(choice.place) - usual_charge(choice.place)
+        return choice.score - unusual
+
+    fewer_names = [c for c in explanation.choices if names(c) < names(best)]
+    rival = min((c for c in fewer_names if wanders(c.place)), key=evenly, default=best)
+    return rival if evenly(rival) < evenly(best) + 2.0 * np.log(ODDS) else best
 
 
 def unslowed(explanation: Explanation, best: Choice) -> Choice:

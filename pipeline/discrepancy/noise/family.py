@@ -98,10 +98,13 @@ class NoiseFamily:
         cost += log_scales / spell
         off = abs(log_scale - learnt) / sure
         cost += off**2 if off < 2.0 else 4.0 * (off - 1.0)
-        repeat = self.prior.repeats > 0
-        cost += (JITTER_COST if repeat else self.unrepeated_jitter) * (place[1] > 0)
-        cost += (WALK_COST if repeat else UNREPEATED) * (place[2] > 0)
-        return cost + self.strained(place), exp(log_scale)
+        return cost + self.charge(place) + self.strained(place), exp(log_scale)
+
+    def charge(self, place: Place) -> float:
+        """-2 log odds against a zero that jitters or walks as at a place."""
+        if self.prior.repeats > 0:
+            return usual_charge(place)
+        return self.unrepeated_jitter * (place[1] > 0) + UNREPEATED * (place[2] > 0)
 
     def strained(self, place: Place) -> float:
         """What repeats have against a place."""
@@ -161,6 +164,11 @@ class NoiseFamily:
             jitter=unit.jitter * scale,
             walk=unit.walk * scale,
         )
+
+
+def usual_charge(place: Place) -> float:
+    """The same where cycles repeat, so that a drift that it hides is no more usual."""
+    return JITTER_COST * (place[1] > 0) + WALK_COST * (place[2] > 0)
 
 
 def noise_family(prior: NoisePrior, problem: Problem, used: np.ndarray) -> NoiseFamily:

@@ -308,9 +308,10 @@ def worthwhile(
 
     hoped = [t for t in sorted(trials, key=hope, reverse=True) if hope(t) > -FAINT]
     few = leading(hoped, most, kin_of)
-    own: dict[str, Fit] = {}
+    own: dict[tuple[str, bool], Fit] = {}
     for trial in sorted(slow, key=hope, reverse=True):
-        own.setdefault(trial.names[-1], trial)
+        last = trial.pieces[-1].term
+        own.setdefault((last.name, last.form == "wave"), trial)
     best: dict[Key, Fit] = {}
     for trial in sorted((*few, *own.values()), key=hope, reverse=True):
         best.setdefault(trial.key, trial)
