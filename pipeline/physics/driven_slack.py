@@ -4,11 +4,10 @@ from typing import ClassVar
 
 import numpy as np
 
-from pipeline.number_words import worded
 from pipeline.physics.backlash import BEHIND_JOINT, Backlash
 from pipeline.physics.compliance import Compliance
 from pipeline.physics.motion import Motion
-from pipeline.physics.term import LAST, NO_STATE, Parameter, Shown, Surroundings, Term
+from pipeline.physics.term import NO_STATE, Parameter, Shown, Surroundings, Term
 
 OFF_HOME, DRIVEN, AHEAD, JOINT = "off home", "driven", "ahead of play", "of the joint"
 
@@ -20,11 +19,10 @@ class DrivenSlack(Term):
     Of what the drive turns within the width the share `kept` still comes through, as where one of
     two strands hangs loose. No load moves a joint in it: what is loose lies between the motor and
     what holds the wires. In forms "ahead of play" it lies before what plays, elsewhere behind that;
-    in those "off home" its middle is another drive than 0. Form "of the joint" is the same of the
-    joint's angle, whatever the curve: the link hangs loose on what moves it. Wider than it is
-    rounded it is a dead zone; rounded wider, loss that saturates as tanh(v / 2 w). Source: dead
-    zone at the input, Tao and Kokotovic, Adaptive Control of Systems with Actuator and Sensor
-    Nonlinearities (1996); the softplus log(1 + e^x) at its ends, Dugas et al., NIPS 13 (2000).
+    in those "off home" its middle is another drive than 0. Wider than it is rounded it is a dead
+    zone; rounded wider, loss that saturates as tanh(v / 2 w). Source: dead zone at the input, Tao
+    and Kokotovic, Adaptive Control of Systems with Actuator and Sensor Nonlinearities (1996); the
+    softplus log(1 + e^x) at its ends, Dugas et al., NIPS 13 (2000).
     """
 
     name = "slack"
@@ -34,23 +32,24 @@ class DrivenSlack(Term):
     grows: ClassVar = {
         DRIVEN: (f"{DRIVEN} {OFF_HOME}", AHEAD),
         AHEAD: (f"{AHEAD} {OFF_HOME}",),
-        f"{DRIVEN} {OFF_HOME}": (f"{AHEAD} {OFF_HOME}", JOINT),
+        f"{DRIVEN} {OFF_HOME}": (f"{AHEAD} {OFF_HOME}",),
     }
     means = "a dead zone around home, without a loop"
     says = "Around home the wires hang slack: {width} of drive are lost before the joint follows."
 
     def __init__(self, form: str = DRIVEN) -> None:
         self.form = form
-        self.before_curve = form != JOINT
-        self.place = LAST if self.before_curve else BEHIND_JOINT
-        self.far_apart = form == JOINT
         if AHEAD in form:
             self.only_beside, self.place = Backlash.group, Backlash.place - 5.0
             self.unlikely = 1.0  # chance would decide where nothing plays
 
     @property
     def kin(self) -> str:
-        return f"{DRIVEN} {OFF_HOME}" if self.form == JOINT else self.form.replace(AHEAD, DRIVEN)
+        return self.form.replace(AHEAD, DRIVEN)
+
+    def richer(self) -> tuple[Term, ...]:
+        links = (LooseLink(),) if self.form == f"{DRIVEN} {OFF_HOME}" else ()
+        return (*super().richer(), *links)
 
     def elsewhere(self) -> tuple[Term, ...]:
         ahead = self.form.replace(DRIVEN, AHEAD)
@@ -68,9 +67,7 @@ class DrivenSlack(Term):
         return own if self.form in (DRIVEN, AHEAD) else (*own, centre)
 
     def signal(self, around: Surroundings) -> tuple[float, float, str]:
-        """Span, lower end and unit of what it acts on: the drive, or the joint's angle."""
-        if self.form == JOINT:
-            return around.angle_span, around.angle_low, around.angle_unit
+        """Span, lower end and unit of what it acts on."""
         return around.drive_span, around.drive_low, around.drive_unit
 
     def respond(
@@ -104,16 +101,31 @@ class DrivenSlack(Term):
         loose = lost > LEAST_LOST and shown.worth(0, (KEPT,))
         return self.name if loose else Compliance.name
 
-    def sentence(self, values: np.ndarray, around: Surroundings) -> str:
-        if self.form != JOINT:
-            return super().sentence(values, around)
-        width = f"{worded(values[0])} {around.angle_unit}"
-        return f"The link hangs loose on its joint: around home {width} of its motion are lost."
-
     def excited(self, motion: Motion, around: Surroundings) -> bool:
         """Forms of a middle at home where the drive passes 0."""
         home = around.drive_low < 0.0 < around.drive_low + around.drive_span
         return around.drive_span > 0.0 and (home or self.form not in (DRIVEN, AHEAD))
+
+
+class LooseLink(DrivenSlack):
+    """The same of the joint's angle, whatever the curve: the link hangs loose on what moves it."""
+
+    form = JOINT
+    before_curve = False
+    place = BEHIND_JOINT
+    far_apart = True
+    grows: ClassVar = {}
+    says = "The link hangs loose on its joint: around home {width} of its motion are lost."
+
+    def __init__(self) -> None:
+        super().__init__(JOINT)
+
+    @property
+    def kin(self) -> str:
+        return f"{DRIVEN} {OFF_HOME}"
+
+    def signal(self, around: Surroundings) -> tuple[float, float, str]:
+        return around.angle_span, around.angle_low, around.angle_unit
 
 
 MOST_KEPT, LEAST_LOST = 0.6, 0.5
