@@ -75,7 +75,9 @@ def main() -> None:
     dwell_s = motion.dwell_s + 0.005 * np.sin(np.arange(SAMPLES))
     rivals: dict[str, Callable[[], object]] = {
         "play": lambda: play(motion.drive, 2.0, 0.0),
-        "lag, second order": lambda: swung(motion.drive, dwell_s, 0.8, 0.3, 0.0, 0.0, np.zeros(2)),
+        "lag, second order": lambda: swung(
+            motion.drive, dwell_s, 0.0 * dwell_s, 0.8, 0.3, 0.0, np.zeros(2)
+        ),
         "scipy lfilter (lag)": lambda: lfilter([1.0 - pole], [1.0, -pole], motion.drive),
     }
     whole = {}

@@ -32,6 +32,7 @@ from pipeline.physics.lens_distortion import LensDistortion
 from pipeline.physics.lost_steps import BEHIND, LostSteps
 from pipeline.physics.marker_outliers import MarkerOutliers
 from pipeline.physics.motion import Motion
+from pipeline.physics.moved_lag import moved_as
 from pipeline.physics.off_centre_ripple import OffCentreRipple
 from pipeline.physics.queued_frames import QueuedFrames
 from pipeline.physics.recurring_slip import RecurringSlip
@@ -231,9 +232,10 @@ def instead(term: Term, values: np.ndarray, motion: Motion, around: Surroundings
     if term.name == Backlash.name and "width" in named:
         width = named["width"] * (around.angle_span / around.drive_span if term.before_curve else 1)
         told += [[(Friction(), np.array([width, part * width, 0.7]))] for part in RUBS]
-    lag_s = named.get("lag" if term.form == "time" else "time_constant", 0.0)
-    if term.group == "lag" and lag_s > 0.0 and around.dwell_s < STEP_AND_WAIT_S:
-        told += swinging_as(lag_s)
+    lag_s = named.get("lag" if term.form in ("time", "held") else "time_constant", 0.0)
+    if term.group == "lag" and lag_s > 0.0:
+        told += swinging_as(lag_s) if around.dwell_s < STEP_AND_WAIT_S else []
+        told += moved_as(lag_s, motion, around)
     return told
 
 

@@ -60,7 +60,7 @@ class ForceLag(ForceTerm):
         if self.form == SWINGING:
             begun = np.array([time_s[0], forces[0], 0.0, forces[0]]) if state is None else state
             past_s = np.diff(time_s, prepend=begun[0])
-            out, last = swung(forces, past_s, values[0], values[1], 1.0, begun[3], begun[1:3])
+            out, last = swung(forces, past_s, past_s, values[0], values[1], begun[3], begun[1:3])
             return out, np.concatenate([time_s[-1:], last])
         begun = np.array([time_s[0], forces[0], forces[0]]) if state is None else state
         out = _late(forces, time_s, float(values[0]), *begun)

@@ -3,6 +3,7 @@
 import numpy as np
 
 from pipeline.number_words import worded
+from pipeline.physics.held import uneven
 from pipeline.physics.motion import Motion
 from pipeline.physics.term import Parameter, Surroundings, Term
 
@@ -10,7 +11,7 @@ OLD = "force"
 MOST_ROWS, MOST_S = 10.0, 0.5
 QUICKEST, LONGEST = 0.02, 2.0
 MOVES = ((0.1, 1.5), (0.4, 3.0), (1.0, 5.0))
-UNEVEN, LEAST = 0.05, 2.0
+LEAST = 2.0
 
 
 class FrameLag(Term):
@@ -81,12 +82,6 @@ class FrameLag(Term):
     def excited(self, motion: Motion, around: Surroundings) -> bool:
         moves = around.drive_span > 0.0 and around.dwell_s > 0.0
         return moves and (self.form in ("time", OLD) or uneven(motion.time_s))
-
-
-def uneven(time_s: np.ndarray) -> bool:
-    """Whether samples (n,) follow each other so unevenly that counting them is no clock."""
-    gaps = np.diff(time_s)
-    return bool(np.std(gaps) > UNEVEN * np.mean(gaps))
 
 
 NO_ROWS = np.zeros(0)

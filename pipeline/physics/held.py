@@ -9,11 +9,18 @@ from pipeline.physics.term import Parameter, Surroundings
 STEP_AND_WAIT_S = 1.0  # a robot that is sampled no more often steps and waits
 DENSE = 200
 LAGS = (0.3, 0.7, 1.5, 4.0)
+UNEVEN = 0.05
 
 
 def dwells(motion: Motion, last_time: float) -> np.ndarray:
     """Time that each command had before its sample was taken, (n,) [s]."""
     return np.diff(motion.time_s, prepend=last_time)
+
+
+def uneven(time_s: np.ndarray) -> bool:
+    """Whether samples (n,) follow each other so unevenly that counting them is no clock."""
+    gaps = np.diff(time_s)
+    return bool(np.std(gaps) > UNEVEN * np.mean(gaps))
 
 
 def usual_lag_s(around: Surroundings) -> float:

@@ -13,6 +13,7 @@ from pipeline.physics.held import (
 )
 from pipeline.physics.motion import Motion
 from pipeline.physics.motor_lag import MotorLag
+from pipeline.physics.moved_lag import MovedLag
 from pipeline.physics.second_order_lag import SecondOrderLag
 from pipeline.physics.slewing_motor import SlewingMotor
 from pipeline.physics.term import HELD, Parameter, Surroundings, Term
@@ -51,7 +52,7 @@ class ResponseLag(Term):
 
     def richer(self) -> tuple[Term, ...]:
         swings = SecondOrderLag("second"), SecondOrderLag("motor")
-        return (*swings, MotorLag(), SlewingMotor(), ValvedLag())
+        return (*swings, MovedLag(), MotorLag(), SlewingMotor(), ValvedLag())
 
     def elsewhere(self) -> tuple[Term, ...]:
         return (ResponseLag("whole"),) if self.form == "first" else ()

@@ -38,25 +38,25 @@ def _left(t, decay, square, known):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True)
-def swung(signal, dwell, frequency, damping, moving, before, state):  # type: ignore[no-untyped-def]
+def swung(signal, dwell, runs, frequency, damping, before, state):  # type: ignore[no-untyped-def]
     """x'' + 2 z w x' + w^2 (x - u) = 0; the answer (n,) and the last (x, x').
 
-    Over the first `moving` of each dwell (n,) [s] the command u runs straight from the one before
-    (`before` the first), then it is held. Exact: with r^2 = z^2 - 1 the error e = x - u, or x - u +
-    2 z / w u' while it runs, obeys e(t) = a(t) e0 + b(t) e0', a and b being exponentials times
-    hyperbolic (r^2 > 0) or circular functions.
+    For `runs` (n,) of each dwell (n,) [s] the command u goes straight from the one before (`before`
+    the first), then it is held. Exact: with r^2 = z^2 - 1 the error e = x - u, or x - u + 2 z / w
+    u' while it runs, obeys e(t) = a(t) e0 + b(t) e0', a and b being exponentials times hyperbolic
+    (r^2 > 0) or circular functions.
     """
     out = np.empty(signal.size)
     x, v = state[0], state[1]
     decay, square = damping * frequency, frequency * frequency * (damping * damping - 1.0)
     known = np.full((2, 3), -NEVER)
     for i in range(signal.size):
-        runs = min(moving * dwell[i], dwell[i])
+        moves = min(runs[i], dwell[i])
         for part in range(2):
-            t = runs if part == 0 else dwell[i] - runs
+            t = moves if part == 0 else dwell[i] - moves
             if t <= 0.0:
                 continue
-            speed = (signal[i] - before) / runs if part == 0 else 0.0
+            speed = (signal[i] - before) / moves if part == 0 else 0.0
             trail = 2.0 * damping / frequency * speed
             e, u = x - (before if part == 0 else signal[i]) + trail, v - speed
             c, s = _left(t, decay, square, known[part])
@@ -116,7 +116,8 @@ class SecondOrderLag(Term):
             state = np.array([motion.time_s[0], signal[0], 0.0, signal[0]])
         dwell, asked = dwells(motion, float(state[0])), np.ascontiguousarray(signal)
         frequency, damping, moving = (float(value) for value in values)
-        out, last = swung(asked, dwell, frequency, damping, moving, float(state[3]), state[1:3])
+        runs, before = moving * dwell, float(state[3])
+        out, last = swung(asked, dwell, runs, frequency, damping, before, state[1:3])
         return out, np.concatenate([motion.time_s[-1:], last])
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:

@@ -68,3 +68,10 @@ def speed_parameter(around: Surroundings) -> Parameter:
     """A top speed [drive unit/s]."""
     most, unit = fastest(around), f"{around.drive_unit}/s"
     return Parameter("top_speed", unit, 1e-4 * most, most, 1e-2 * most, 0.0, relative=True)
+
+
+def speeds_of_steps(motion: Motion) -> np.ndarray:
+    """How fast the drive goes at each step that moves it, (k,) [drive unit/s]; (0.0,) for none."""
+    steps, taken_s = np.abs(np.diff(motion.drive)), np.diff(motion.time_s)
+    moves = (steps > 0.0) & (taken_s > 0.0)
+    return steps[moves] / taken_s[moves] if np.any(moves) else np.zeros(1)

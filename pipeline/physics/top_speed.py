@@ -4,7 +4,7 @@ import numpy as np
 
 from pipeline.physics.held import STEP_AND_WAIT_S, dwells, slewed
 from pipeline.physics.motion import Motion
-from pipeline.physics.slewing_motor import speed_parameter
+from pipeline.physics.slewing_motor import speed_parameter, speeds_of_steps
 from pipeline.physics.term import Parameter, Surroundings, Term
 
 SOME, SLOWER, FARTHER = (0.3, 0.5, 0.7, 0.85, 0.95), 0.97, 1.2
@@ -56,10 +56,3 @@ class TopSpeed(Term):
         usual, most = np.quantile(speeds_of_steps(motion), (0.5, 1.0))
         waits = around.drive_span > 0.0 and around.dwell_s >= STEP_AND_WAIT_S
         return waits and bool(most > FARTHER * usual)
-
-
-def speeds_of_steps(motion: Motion) -> np.ndarray:
-    """How fast the drive goes at each step that moves it, (k,) [drive unit/s]; (0.0,) for none."""
-    steps, taken_s = np.abs(np.diff(motion.drive)), np.diff(motion.time_s)
-    moves = (steps > 0.0) & (taken_s > 0.0)
-    return steps[moves] / taken_s[moves] if np.any(moves) else np.zeros(1)

@@ -100,6 +100,17 @@ def test_two_waves_of_periods_of_their_own_are_one_ripple_beside_play(sizes):
     assert result.diagnoses[0].after.heldout_rmse < 1.1 * NOISE
 
 
+def test_two_wheels_that_beat_hardly_more_than_once_are_one_ripple():
+    recording = recorded({}, seed=12)
+    drive = recording.samples["pitch_command_deg"]
+    wheels = 0.7 * np.sin(2.0 * np.pi * drive / 14.0) + 0.5 * np.sin(2.0 * np.pi * drive / 16.0)
+    simulated = recording.values(SIMULATED)
+    slope = np.polyfit(drive, simulated, 1)[0]
+    result = diagnosed(changed(recording, **{ANGLE: recording.values(ANGLE) + slope * wheels}))
+    assert names(result) == {"transmission_ripple"}
+    assert result.diagnoses[0].after.heldout_rmse < 1.1 * NOISE
+
+
 @pytest.mark.parametrize("form", ["dragged", "cycle dragged"])
 def test_friction_that_grows_is_a_wire_that_slackens_and_nothing_beside(form):
     growth = {"growth_a_cycle": 0.5} if "cycle" in form else {"growth": 0.0022}

@@ -66,11 +66,18 @@ def test_a_drift_is_not_told_in_place_of_other_noise(found: Explanation) -> None
     assert chosen(found, ((PLAY,), LEAPS, 0.0), ((PLAY, DRIFT), LEAPS, 1.0)) == {"backlash"}
 
 
-@pytest.mark.parametrize(("ahead", "named"), [(1.0, False), (2.0, True)])
+@pytest.mark.parametrize(
+    ("repeats", "ahead", "named"),
+    [(3, 4.0, False), (3, 5.0, True), (0, 15.0, False), (0, 16.0, True)],
+)
 def test_by_itself_a_drift_needs_odds_against_noise_that_walks(
-    found: Explanation, ahead: float, named: bool
+    found: Explanation, repeats: int, ahead: float, named: bool
 ) -> None:
-    kept = chosen(found, ((DRIFT,), STILL, 0.0), ((), WALKS, ahead))
+    """Where nothing repeats, a search charges a walk 11 more than elsewhere."""
+    prior = replace(found.prior, repeats=repeats)
+    search = replace(found.search, family=replace(found.search.family, prior=prior))
+    judged = replace(found, prior=prior, search=search)
+    kept = chosen(judged, ((DRIFT,), STILL, 0.0), ((), WALKS, ahead))
     assert kept == ({"drift"} if named else frozenset())
 
 

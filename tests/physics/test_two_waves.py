@@ -21,7 +21,7 @@ def test_two_waves_add_up():
 
 def test_two_waves_that_hardly_fall_out_of_step_and_one_that_hardly_comes_again_are_no_two():
     around = Surroundings(drive_span=100.0)
-    for period, slight in ((9.0, True), (7.5, False), (37.0, True), (70.0, True)):
+    for period, slight in ((8.9, True), (8.5, False), (37.0, True), (70.0, True)):
         values = np.array([2.0, 9.3 if period < 30.0 else 30.0, 1.1, 0.7, period, 4.0])
         assert TWO.slight(values, around) == slight
 

@@ -3,13 +3,16 @@
 import numpy as np
 
 from pipeline.discrepancy.problem.problem import Problem
+from pipeline.physics.backlash import Backlash
 from pipeline.physics.catalogue import BENDS, terms
+from pipeline.physics.friction import Friction
 
 SAME_AT_ONE_DWELL = (frozenset({"creep", "response_lag"}),)
 SAME_AT_ONE_SPEED = (
     frozenset({"friction", "creep", "response_lag"}),
     frozenset({"backlash", "frame_lag", "response_lag"}),
 )
+GIVING_WAY = {Friction.name}
 DIFFERENT = 0.2
 FEW = 0.02
 IN_STEP = ("inertia", "stiffness")
@@ -20,7 +23,8 @@ def equivalents(name: str, problem: Problem) -> list[str]:
     """Names that are known to give the same data as `name` under such commands.
 
     What bends one static curve is one family in any data. Creep and lags remember time, friction
-    and play remember travel: at one dwell and one step these are the same.
+    and play remember travel: at one dwell and one step these are the same. Where that may be play,
+    it may be friction, too, whose wire gives way by little.
     """
     if problem.motion.kinetics is not None:
         return [n for n in IN_STEP if name in IN_STEP and n != name and in_step(problem)]
@@ -29,7 +33,9 @@ def equivalents(name: str, problem: Problem) -> list[str]:
         families += SAME_AT_ONE_DWELL
         families += SAME_AT_ONE_SPEED if other_steps(problem) <= FEW else ()
     shown = {t.name for t in terms() if t.excited(problem.motion, problem.around)}
-    return sorted({n for family in families if name in family for n in family & shown} - {name})
+    found = {n for family in families if name in family for n in family}
+    found |= GIVING_WAY if Backlash.name in found else set()
+    return sorted((found & shown) - {name})
 
 
 def in_step(problem: Problem) -> bool:
