@@ -12,7 +12,6 @@ SAME_AT_ONE_SPEED = (
     frozenset({"friction", "creep", "response_lag"}),
     frozenset({"backlash", "frame_lag", "response_lag"}),
 )
-GIVING_WAY = {Friction.name}
 DIFFERENT = 0.2
 FEW = 0.02
 IN_STEP = ("inertia", "stiffness")
@@ -34,7 +33,7 @@ def equivalents(name: str, problem: Problem) -> list[str]:
         families += SAME_AT_ONE_SPEED if other_steps(problem) <= FEW else ()
     shown = {t.name for t in terms() if t.excited(problem.motion, problem.around)}
     found = {n for family in families if name in family for n in family}
-    found |= GIVING_WAY if Backlash.name in found else set()
+    found |= {Friction.name} if Backlash.name in found else set()
     return sorted((found & shown) - {name})
 
 
