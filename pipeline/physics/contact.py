@@ -13,7 +13,7 @@ from pipeline.physics.softer_side import SofterSide
 from pipeline.physics.term import Parameter, Surroundings, Term, Told
 
 STIFFEST, STEEPEST, GRADUALLY, WIDER = 6.0, 30.0, 0.99, 1.5
-AT_HOME, SKINS = 0.02, 3.0
+AT_HOME, SKINS, FIRM = 0.02, 3.0, 1.0
 SIDES, HARDENING, LOSSY = ("upper", "lower"), "hardening", "lossy"
 
 
@@ -92,7 +92,7 @@ class Contact(Term):
         return EndStop.name if values[0] >= STIFFEST else ""
 
     def instead(self, values: np.ndarray, motion: Motion, around: Surroundings) -> Sequence[Told]:
-        """An end stop, met where this is or elsewhere, once it can be no stiffer.
+        """An end stop, met where this is or elsewhere, once it is as stiff as the wire.
 
         Or, once it can be met no more gradually, a wire that is softer than the other.
         """
@@ -100,7 +100,7 @@ class Contact(Term):
         if values[2] >= GRADUALLY * skin:
             side = SIDES[0] if self.side > 0.0 else SIDES[1]
             return [[(SofterSide(side), np.array([*values[:2], WIDER * values[2]]))]]
-        if not self.limit(values):
+        if values[0] < FIRM:
             return ()
         stop = EndStop("upper" if self.side > 0.0 else "lower")
         starts = stop.candidates(motion, around)

@@ -296,6 +296,8 @@ def worthwhile(
 ) -> list[Fit]:
     """The best few trials, and the best of each slow name, that may still become the best.
 
+    So may a wave beside the other courses of a drift, which come near it sooner.
+
     After its steps (more where the first left it behind) a trial is out that is further behind its
     parent than the least charge for a term, or has gained less than half as much as the best one
     that gained clearly. The slow ones were begun under another noise: they may be as far behind as
