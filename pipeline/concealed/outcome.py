@@ -127,7 +127,7 @@ def _resolved(truth: Truth, diagnosis: Entry | None) -> float:
     entry = entry_of(diagnosis)
     named = sorted(str(p["name"]) for p in entry["physics"])
     left = {n for p in entry["physics"] for n in p["alternatives"] if not _one_curve(p["name"], n)}
-    return float(named == hidden and not left)
+    return float(named == hidden and (entry["verdict"] != "ambiguous" or not left))
 
 
 def _one_curve(name: str, other: str) -> bool:
