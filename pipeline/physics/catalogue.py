@@ -140,6 +140,7 @@ def terms(other_commands: Iterable[str] = ()) -> tuple[Term, ...]:
         MarkerOutliers(),
         Drift("linear"),
         Drift("cycle"),
+        Drift("settling cycle"),
         Drift("exponential"),
         Drift("wave"),
         *(LostSteps(f"once{place}") for place in BEHIND),
