@@ -63,6 +63,16 @@ def slewed(signal, dwell, time_constant, top_speed, at):  # type: ignore[no-unty
     return out
 
 
+def followed(
+    signal: np.ndarray, motion: Motion, late_s: float, top_speed: float, state: np.ndarray | None
+) -> tuple[np.ndarray, np.ndarray]:
+    """What follows a held signal (n,) so, (n,), and the last time [s] and answer to go on from."""
+    last_s, at = (motion.time_s[0], signal[0]) if state is None else state
+    dwell, asked = dwells(motion, float(last_s)), np.ascontiguousarray(signal)
+    out = slewed(asked, dwell, late_s, top_speed, float(at))
+    return out, np.array([motion.time_s[-1], out[-1]])
+
+
 @njit(cache=True)
 def trailed(signal, dwell, time_constant, moving, before, at):  # type: ignore[no-untyped-def]
     """x' = (u - x) / time_constant: exact answer (n,).

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from pipeline.physics.held import dwells, lag_parameter, slewed, usual_lags_s
+from pipeline.physics.held import followed, lag_parameter, usual_lags_s
 from pipeline.physics.motion import Motion
 from pipeline.physics.second_order_lag import SecondOrderLag
 from pipeline.physics.slewing_motor import SlewingMotor
@@ -39,10 +39,7 @@ class MotorLag(Term):
     def respond(
         self, signal: np.ndarray, motion: Motion, values: np.ndarray, state: np.ndarray | None
     ) -> tuple[np.ndarray, np.ndarray]:
-        last_s, at = (motion.time_s[0], signal[0]) if state is None else state
-        dwell, asked = dwells(motion, float(last_s)), np.ascontiguousarray(signal)
-        out = slewed(asked, dwell, float(values[0]), np.inf, float(at))
-        return out, np.array([motion.time_s[-1], out[-1]])
+        return followed(signal, motion, float(values[0]), np.inf, state)
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
         return np.array(usual_lags_s(around))[:, None]

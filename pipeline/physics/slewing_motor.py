@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from pipeline.physics.held import STEP_AND_WAIT_S, dwells, lag_parameter, slewed, usual_lags_s
+from pipeline.physics.held import STEP_AND_WAIT_S, followed, lag_parameter, usual_lags_s
 from pipeline.physics.motion import Motion
 from pipeline.physics.term import Parameter, Surroundings, Term
 
@@ -36,10 +36,7 @@ class SlewingMotor(Term):
     def respond(
         self, signal: np.ndarray, motion: Motion, values: np.ndarray, state: np.ndarray | None
     ) -> tuple[np.ndarray, np.ndarray]:
-        last_s, at = (motion.time_s[0], signal[0]) if state is None else state
-        dwell, asked = dwells(motion, float(last_s)), np.ascontiguousarray(signal)
-        out = slewed(asked, dwell, float(values[0]), float(values[1]), float(at))
-        return out, np.array([motion.time_s[-1], out[-1]])
+        return followed(signal, motion, float(values[0]), float(values[1]), state)
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
         speeds = fastest(around) * np.geomspace(2e-3, 0.25, SPEEDS)

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from pipeline.physics.held import STEP_AND_WAIT_S, dwells, slewed
+from pipeline.physics.held import STEP_AND_WAIT_S, followed
 from pipeline.physics.motion import Motion
 from pipeline.physics.slewing_motor import speed_parameter, speeds_of_steps
 from pipeline.physics.term import Parameter, Surroundings, Term
@@ -37,10 +37,7 @@ class TopSpeed(Term):
     def respond(
         self, signal: np.ndarray, motion: Motion, values: np.ndarray, state: np.ndarray | None
     ) -> tuple[np.ndarray, np.ndarray]:
-        last_s, at = (motion.time_s[0], signal[0]) if state is None else state
-        dwell, asked = dwells(motion, float(last_s)), np.ascontiguousarray(signal)
-        out = slewed(asked, dwell, 0.0, float(values[0]), float(at))
-        return out, np.array([motion.time_s[-1], out[-1]])
+        return followed(signal, motion, 0.0, float(values[0]), state)
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
         return SLOWER * np.unique(np.quantile(speeds_of_steps(motion), SOME))[:, None]
