@@ -11,7 +11,7 @@ HOUR_S = 3600.0
 SHORTEST, CYCLES = 0.15, 1.5
 UNLIKELY = {"wave": 3.0, "rising wave": 3.0, "quadratic": 4.0}
 """A wave follows what jitters by cycle, too; what warms up comes to rest, unlike a parabola."""
-SETTLING, QUICKEST_CYCLES = 0.1, 0.3
+SETTLING, QUICKEST_CYCLES, FEWEST = 0.1, 0.3, 5
 WARMING = {"exponential": 0.02, "settling": SETTLING}
 """Forms that come to rest, by the shortest time constant [share of the recording]."""
 
@@ -121,7 +121,9 @@ class Drift(Term):
         return not np.any(values[: 2 if self.form == "quadratic" else 1])
 
     def excited(self, motion: Motion, around: Surroundings) -> bool:
-        return around.end_s > around.start_s and len(motion) > 20
+        """Form "settling cycle" where there are FEWEST: less show no course from cycle to cycle."""
+        shows = self.form != "settling cycle" or around.cycles >= FEWEST
+        return shows and around.end_s > around.start_s and len(motion) > 20
 
 
 def rate(span: float, duration_s: float, unit: str) -> Parameter:

@@ -108,7 +108,10 @@ class DrivenSlack(Term):
 
 
 class LooseLink(DrivenSlack):
-    """The same of the joint's angle, whatever the curve: the link hangs loose on what moves it."""
+    """The same of the joint's angle, whatever the curve: the link hangs loose on what moves it.
+
+    Source: as of slack of the drive.
+    """
 
     form = JOINT
     before_curve = False

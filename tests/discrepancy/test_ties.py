@@ -45,6 +45,13 @@ def test_friction_sharper_than_a_step_may_be_what_looks_like_play(ground, score,
     assert found.tied == (score < 0.0)
 
 
+def test_what_may_be_play_may_be_friction_but_play_by_itself_says_whether_it_is_sharp():
+    """At one dwell and one step; the paper's cycles."""
+    problem = posed(recorded({}))
+    assert equivalents("frame_lag", problem) == ["backlash", "friction", "response_lag"]
+    assert equivalents("backlash", problem) == ["frame_lag", "response_lag"]
+
+
 @pytest.mark.parametrize(("score", "said"), [(14.0, True), (30.0, False)])
 def test_an_old_frame_may_be_a_lag_that_is_charged_for_more_parameters(score, said):
     recording = recorded({})

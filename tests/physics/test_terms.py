@@ -171,6 +171,12 @@ def test_a_motor_with_a_top_speed_runs_at_it_and_then_comes_near_as_a_lag_does()
     assert not term("response_lag", "slewing").excited(triangle(), around(triangle()))
 
 
+def test_a_zero_that_settles_by_cycles_shows_in_some_of_them():
+    settling = term("drift", "settling cycle")
+    assert not settling.excited(triangle(), Surroundings(cycles=4))
+    assert settling.excited(triangle(), Surroundings(cycles=5))
+
+
 def test_a_force_has_no_teeth_that_could_ripple():
     motion = triangle()
     assert term("transmission_ripple").excited(motion, around(motion))
@@ -309,7 +315,7 @@ def test_every_name_that_a_report_may_list_says_what_it_is(one):
             [0.8, 8.0, 0.1, 90.0],
             ["response_lag/first", "creep/one"],
         ),
-        ("contact", "lower", [5.9, -20.0, 0.3], [6.0, -20.0, 0.3], ["end_stop/lower"]),
+        ("contact", "lower", [0.9, -20.0, 0.3], [1.1, -20.0, 0.3], ["end_stop/lower"]),
     ],
 )
 def test_what_a_term_may_be_instead_is_offered_where_it_comes_near_that(

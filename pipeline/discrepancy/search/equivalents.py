@@ -22,8 +22,8 @@ def equivalents(name: str, problem: Problem) -> list[str]:
     """Names that are known to give the same data as `name` under such commands.
 
     What bends one static curve is one family in any data. Creep and lags remember time, friction
-    and play remember travel: at one dwell and one step these are the same. Where that may be play,
-    it may be friction, too, whose wire gives way by little.
+    and play remember travel: at one dwell and one step these are the same. What may be play may be
+    friction, too, whose wire gives way by little.
     """
     if problem.motion.kinetics is not None:
         return [n for n in IN_STEP if name in IN_STEP and n != name and in_step(problem)]
@@ -32,9 +32,9 @@ def equivalents(name: str, problem: Problem) -> list[str]:
         families += SAME_AT_ONE_DWELL
         families += SAME_AT_ONE_SPEED if other_steps(problem) <= FEW else ()
     shown = {t.name for t in terms() if t.excited(problem.motion, problem.around)}
-    found = {n for family in families if name in family for n in family}
+    found = {n for family in families if name in family for n in family} - {name}
     found |= {Friction.name} if Backlash.name in found else set()
-    return sorted((found & shown) - {name})
+    return sorted(found & shown)
 
 
 def in_step(problem: Problem) -> bool:
