@@ -116,23 +116,16 @@ def outcome(
 
 
 def _resolved(truth: Truth, diagnosis: Entry | None) -> float:
-    """1 if the second diagnosis names exactly what is hidden and leaves no tie that motion breaks.
+    """1 if the second diagnosis names exactly what is hidden and no longer calls it a tie.
 
-    NaN without one, and where no motion could tell (what bends one static curve). Slack is such a
-    curve, too: that it may be a bend, or a bend it, is no tie that the block was to break.
+    NaN without one, and where no motion could tell (what bends one static curve).
     """
     hidden = sorted(e["name"] for e in truth["effects"])
     if diagnosis is None or set(hidden) & BENDS:
         return float("nan")
     entry = entry_of(diagnosis)
     named = sorted(str(p["name"]) for p in entry["physics"])
-    left = {n for p in entry["physics"] for n in p["alternatives"] if not _one_curve(p["name"], n)}
-    return float(named == hidden and (entry["verdict"] != "ambiguous" or not left))
-
-
-def _one_curve(name: str, other: str) -> bool:
-    """Whether two names bend one static curve, in which no motion tells them apart."""
-    return {name, other} <= BENDS | {"slack"}
+    return float(named == hidden and entry["verdict"] != "ambiguous")
 
 
 def held_out_ratio(truth: Truth, predictions: pd.DataFrame | None, measured_deg: np.ndarray,

@@ -24,7 +24,7 @@ class MotorLag(Term):
     timed = True
     before_curve = True
     unlikely = 3.0  # else chance would decide against old frames and play
-    says = "The whole motion comes late, with a time constant of {time_constant}."
+    says = "The motor comes late, with a time constant of {time_constant}."
 
     @property
     def kin(self) -> str:

@@ -1,10 +1,7 @@
 """A lag of second order behind moves of a steady speed: a robot that moves, waits, and moves on."""
 
-from typing import ClassVar
-
 import numpy as np
 
-from pipeline.number_words import worded
 from pipeline.physics.held import dwells, longest_lag_s, uneven, usual_lag_s
 from pipeline.physics.motion import Motion
 from pipeline.physics.second_order_lag import swung
@@ -32,7 +29,7 @@ class MovedLag(Term):
     group = "lag"
     timed = True
     unlikely = 3.0  # else chance would decide against old frames
-    says: ClassVar = (
+    says = (
         "The whole motion comes after moves of {speed}, with a natural frequency of "
         "{natural_frequency} and a damping of {damping}."
     )
@@ -84,13 +81,6 @@ class MovedLag(Term):
     def excited(self, motion: Motion, around: Surroundings) -> bool:
         """Where waits differ: else a share of each says it as well."""
         return around.drive_span > 0.0 and around.dwell_s > 0.0 and uneven(motion.time_s)
-
-    def sentence(self, values: np.ndarray, around: Surroundings) -> str:
-        return self.says.format(
-            speed=f"{worded(values[2])} {around.drive_unit}/s",
-            natural_frequency=f"{worded(values[0])} rad/s",
-            damping=f"{values[1]:.2g}",
-        )
 
 
 def usual_speeds(motion: Motion) -> list[float]:

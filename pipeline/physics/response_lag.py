@@ -68,11 +68,8 @@ class ResponseLag(Term):
     ) -> tuple[np.ndarray, np.ndarray]:
         first = np.array([motion.time_s[0], signal[0], signal[0]])
         last_s, at, before = (float(value) for value in (first if state is None else state))
-        dwell, asked, late_s = (
-            dwells(motion, last_s),
-            np.ascontiguousarray(signal),
-            float(values[0]),
-        )
+        dwell, asked = dwells(motion, last_s), np.ascontiguousarray(signal)
+        late_s = float(values[0])
         if self.form == "running":
             out = trailed(asked, dwell, late_s, 1.0, before, at)
         else:

@@ -147,15 +147,6 @@ def test_a_tie_is_resolved_by_the_exact_name_without_ambiguity():
     assert np.isnan(judged(bend, first, followed_up=first)["resolved"])
 
 
-@pytest.mark.parametrize(("of_creep", "resolved"), [((), 1.0), (("friction",), 0.0)])
-def test_that_slack_may_be_a_bend_is_no_tie_that_a_block_was_to_break(of_creep, resolved):
-    truth = truth_of("two", effect("creep", "friction"), effect("slack", "compliance"))
-    slack = term("slack", ("compliance", "gravity"))
-    first = diagnosis("ambiguous", term("friction", ("creep",)), slack)
-    second = diagnosis("ambiguous", term("creep", of_creep), slack)
-    assert judged(truth, first, followed_up=second)["resolved"] == resolved
-
-
 def test_fits_are_measured_against_the_noise():
     predicted = pd.DataFrame({"pitch_angle_deg_predicted": np.where(CYCLE < 9, 0.3, 0.05)})
     row = judged(truth_of("none"), diagnosis("no_mismatch", rmse=0.25), predictions=predicted)

@@ -103,7 +103,7 @@ def test_two_waves_of_periods_of_their_own_are_one_ripple_beside_play(sizes):
 def test_two_wheels_that_beat_hardly_more_than_once_are_one_ripple():
     recording = recorded({}, seed=12)
     drive = recording.samples["pitch_command_deg"]
-    wheels = 0.7 * np.sin(2.0 * np.pi * drive / 14.0) + 0.5 * np.sin(2.0 * np.pi * drive / 16.0)
+    wheels = 2.0 * np.sin(2.0 * np.pi * drive / 20.0) + 1.5 * np.sin(2.0 * np.pi * drive / 24.0)
     simulated = recording.values(SIMULATED)
     slope = np.polyfit(drive, simulated, 1)[0]
     result = diagnosed(changed(recording, **{ANGLE: recording.values(ANGLE) + slope * wheels}))
