@@ -5,6 +5,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from pipeline.errors import did_you_mean, refusal
+from pipeline.physics.activated_creep import ActivatedCreep
 from pipeline.physics.backlash import AHEAD, Backlash
 from pipeline.physics.camera_tilt import CameraTilt
 from pipeline.physics.capstan_friction import CapstanFriction
@@ -13,7 +14,6 @@ from pipeline.physics.contact import LOSSY, SIDES, Contact
 from pipeline.physics.coulomb_friction import CoulombFriction
 from pipeline.physics.coupling import OFFERED, Coupling
 from pipeline.physics.creep import Creep
-from pipeline.physics.drift import Drift
 from pipeline.physics.driven_bank import DrivenBank
 from pipeline.physics.driven_stretch import DrivenStretch
 from pipeline.physics.end_stop import EndStop
@@ -39,12 +39,14 @@ from pipeline.physics.recurring_slip import RecurringSlip
 from pipeline.physics.response_lag import ResponseLag
 from pipeline.physics.rubbing_wire import RUBBING
 from pipeline.physics.second_order_lag import swinging_as
+from pipeline.physics.settling_drift import SettlingDrift
 from pipeline.physics.sheath_force import SheathForce
 from pipeline.physics.sheath_stretch import SheathStretch
 from pipeline.physics.single_bump import SingleBump
 from pipeline.physics.slack import Slack
 from pipeline.physics.soft_wire import SoftWire
 from pipeline.physics.softer_side import SofterSide
+from pipeline.physics.steady_drift import SteadyDrift
 from pipeline.physics.stiffening_joint import StiffeningJoint
 from pipeline.physics.stiffness import Stiffness
 from pipeline.physics.stribeck_friction import StribeckFriction
@@ -56,6 +58,7 @@ from pipeline.physics.transmission_ripple import TransmissionRipple
 from pipeline.physics.turned_gravity import TURNED, TurnedGravity
 from pipeline.physics.two_ripples import TwoRipples
 from pipeline.physics.viscous_friction import ViscousFriction
+from pipeline.physics.waving_drift import WavingDrift
 from pipeline.physics.worn_play import WornPlay
 from pipeline.physics.yielding_wire import YieldingWire
 
@@ -77,7 +80,8 @@ DRIVEN, CARRYING = Friction("driven"), Friction("driven on")
 SPRUNG, LATE_DAMPER = ViscousFriction("sprung"), LateDamper()
 LATE = (ForceLag(), ForceLag(SWINGING), FrameLag(OLD))
 WORN, QUEUE = WornPlay(), QueuedFrames()
-ODD = (SingleBump(), YieldingWire(), *(Contact(f"{side} {LOSSY}") for side in SIDES))
+LOSSY_SIDES = tuple(Contact(f"{side} {LOSSY}") for side in SIDES)
+ODD = (SingleBump(), YieldingWire(), ActivatedCreep(), *LOSSY_SIDES)
 RECURRING = (RecurringSlip("every top"), RecurringSlip("every bottom"))
 SKIPS = tuple(
     LostSteps(f"{times}{place}") for times in ("thrice", "fourfold") for place in ("", *BEHIND)
@@ -138,11 +142,11 @@ def terms(other_commands: Iterable[str] = ()) -> tuple[Term, ...]:
         FrameLag("frames"),
         FrameLag("held"),
         MarkerOutliers(),
-        Drift("linear"),
-        Drift("cycle"),
-        Drift("settling cycle"),
-        Drift("exponential"),
-        Drift("wave"),
+        SteadyDrift("linear"),
+        SteadyDrift("cycle"),
+        SettlingDrift("settling cycle"),
+        SettlingDrift(),
+        WavingDrift(),
         *(LostSteps(f"once{place}") for place in BEHIND),
         Backlash(AHEAD),
         TensionLoss(f"linear {AHEAD}"),
@@ -174,9 +178,9 @@ def force_terms() -> tuple[Term, ...]:
         ForceContact("lower buffer"),
         ForceGravity(),
         ForceRipple(),
-        Drift("linear"),
-        Drift("cycle"),
-        Drift("wave"),
+        SteadyDrift("linear"),
+        SteadyDrift("cycle"),
+        WavingDrift(),
     )
 
 
@@ -194,7 +198,7 @@ def further_force_terms() -> tuple[Term, ...]:
         ForcePlay(),
         ForceSlack(),
         ForceSlack(ASIDE),
-        Drift("settling"),
+        SettlingDrift("settling"),
     )
 
 

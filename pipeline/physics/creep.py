@@ -5,11 +5,12 @@ from typing import ClassVar
 
 import numpy as np
 
+from pipeline.physics.arriving_late import LARGEST, TIMES, ArrivingLate, share_and_time
 from pipeline.physics.balance import Load
 from pipeline.physics.held import STEP_AND_WAIT_S, dwells, trailed
 from pipeline.physics.motion import Motion
 from pipeline.physics.response_lag import ResponseLag
-from pipeline.physics.rising_creep import LARGEST, TIMES, RisingCreep
+from pipeline.physics.rising_creep import RisingCreep
 from pipeline.physics.term import HELD, Parameter, Surroundings, Term, Told
 
 SPREAD, ARMS = "spread", 5
@@ -17,7 +18,7 @@ NARROW, BROADEST, BREADTHS = 0.7, 1.5, (0.7, 1.1)
 WHOLE = {"one": "whole", SPREAD: f"whole {SPREAD}"}
 
 
-class Creep(Term):
+class Creep(ArrivingLate):
     """A spring with a dashpot beside the joint: it resists at first and gives way with time.
 
     In the balance, arm_j = s_j (theta - v_j), v_j' = (theta - v_j) / tau_j, with one or two arms.
@@ -33,12 +34,6 @@ class Creep(Term):
     ch. 5.
     """
 
-    name = "creep"
-    site = "transmission"
-    place = 70.0
-    remembers = "time"
-    timed = True
-    far_apart = True
     grows: ClassVar = {
         "one": ("two", "wire", SPREAD, f"wire {SPREAD}"),
         "two": ("wire two",),
@@ -48,7 +43,6 @@ class Creep(Term):
         SPREAD: (f"wire {SPREAD}",),
         f"whole {SPREAD}": (f"wire {SPREAD}",),
     }
-    means = "part of the motion arrives late, and depends on the dwell"
     says = "Part of each motion ({share}) arrives late, with a time constant of {time_constant}."
 
     def __init__(self, form: str = "one") -> None:
@@ -72,10 +66,7 @@ class Creep(Term):
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
         dwell = max(around.dwell_s, 1e-9)
         longest = max(around.end_s - around.start_s, 10.0 * dwell)
-        own: tuple[Parameter, ...] = (
-            Parameter("share", "", 0.0, LARGEST, 0.1, 0.1),
-            Parameter("time_constant", "s", 0.2 * dwell, longest, 5.0 * dwell, 0.0),
-        )
+        own: tuple[Parameter, ...] = share_and_time(around)
         if self.before_curve:
             span, unit = around.drive_span, around.drive_unit
             own = (
@@ -140,7 +131,7 @@ class Creep(Term):
     def excited(self, motion: Motion, around: Surroundings) -> bool:
         """Form "running" where a drive is sampled too often to step and wait."""
         runs = self.form != "running" or around.dwell_s < STEP_AND_WAIT_S
-        return around.drive_span > 0.0 and around.dwell_s > 0.0 and runs
+        return runs and super().excited(motion, around)
 
     def instead(self, values: np.ndarray, motion: Motion, around: Surroundings) -> Sequence[Told]:
         """A lag of the whole motion in place of an arm, where the share of that is the largest."""

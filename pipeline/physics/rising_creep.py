@@ -4,17 +4,16 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from pipeline.physics.arriving_late import LARGEST, TIMES, ArrivingLate, share_and_time
 from pipeline.physics.held import dwells, trailed
 from pipeline.physics.motion import Motion
 from pipeline.physics.second_order_lag import SecondOrderLag
 from pipeline.physics.term import Parameter, Surroundings, Term, Told
 
 RISING = "rising"
-LARGEST = 0.8
-TIMES = (0.6, 1.5, 4.0, 10.0, 25.0, 60.0)
 
 
-class RisingCreep(Term):
+class RisingCreep(ArrivingLate):
     """x = u - (g - late), g = (share + rise |u|) u, late' = (g - late) / time_constant.
 
     Of a wire that is pulled the more a larger share of the motion arrives late; its pull goes with
@@ -23,28 +22,18 @@ class RisingCreep(Term):
     295, the stress under the integral times a factor that grows with it, to its first power.
     """
 
-    name = "creep"
-    site = "transmission"
     form = RISING
-    place = 70.0
-    remembers = "time"
     before_curve = True
-    timed = True
-    far_apart = True
-    means = "part of the motion arrives late, and depends on the dwell"
     says = (
         "Part of each motion, the more the farther it is from home, arrives late, with a time "
         "constant of {time_constant}."
     )
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
-        dwell, unit = max(around.dwell_s, 1e-9), around.drive_unit
-        longest = max(around.end_s - around.start_s, 10.0 * dwell)
-        span = around.drive_span
+        unit, span = around.drive_unit, around.drive_span
         half = 0.5 * span
         return (
-            Parameter("share", "", 0.0, LARGEST, 0.1, 0.1),
-            Parameter("time_constant", "s", 0.2 * dwell, longest, 5.0 * dwell, 0.0),
+            *share_and_time(around),
             Parameter("moving", "", 0.0, 1.0, 0.0, 0.5),
             Parameter("begun", unit, -span, span, 0.0, 0.25 * span, weak=True),
             Parameter("rise", f"1/{unit}", 0.0, LARGEST / half, 0.1 / half, 0.1 / half),
@@ -77,9 +66,6 @@ class RisingCreep(Term):
         """A motor that is late: beside slack or a stop it looks so, and no plain lag is near it."""
         late = SecondOrderLag("motor")
         return [[(late, start)] for start in late.candidates(motion, around)]
-
-    def excited(self, motion: Motion, around: Surroundings) -> bool:
-        return around.drive_span > 0.0 and around.dwell_s > 0.0
 
 
 def rising_as(loop: float, around: Surroundings) -> list[tuple[Term, np.ndarray]]:

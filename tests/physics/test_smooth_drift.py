@@ -1,0 +1,32 @@
+"""A zero that wanders smoothly: what it can follow, and where it stays."""
+
+import numpy as np
+
+from pipeline.physics.motion import Motion
+from pipeline.physics.smooth_drift import PARTS, SmoothDrift
+from pipeline.physics.term import Surroundings
+
+AROUND = Surroundings(start_s=100.0, end_s=1100.0)
+LATER = np.linspace(100.0, 2100.0, 401)
+DRIVE = np.zeros(401)
+MOTION = Motion(DRIVE, LATER, np.zeros(401, dtype=int))
+SHAPE = np.array([[*row, 1000.0] for row in np.eye(PARTS)])
+
+
+def test_a_smooth_course_is_followed_closely_and_is_held_after_the_recording():
+    parts = np.array([SmoothDrift().respond(DRIVE, MOTION, v, None)[0] for v in SHAPE]).T
+    recorded = AROUND.end_s >= LATER
+    share = (LATER - 100.0) / 1000.0
+    course = 0.8 * share**2 + np.exp(-share / 0.2) - 0.5 * np.cos(5.0 * share)
+    columns = np.column_stack([parts, np.ones(len(LATER))])
+    sizes = np.linalg.lstsq(columns[recorded], course[recorded], rcond=None)[0]
+    left = course - columns @ sizes
+    assert np.std(left[recorded]) < 0.1 * np.std(course[recorded])
+    np.testing.assert_array_equal(np.ptp(parts[~recorded], axis=0), 0.0)
+
+
+def test_its_end_is_the_recordings_and_no_fit_moves_it():
+    until = SmoothDrift().parameters(AROUND)[-1]
+    assert until.low == until.high == until.start == 1000.0
+    assert until.weak
+    assert SmoothDrift().void(np.append(np.zeros(PARTS), 1000.0))
