@@ -13,7 +13,7 @@ from pipeline.physics.softer_side import SofterSide
 from pipeline.physics.term import Parameter, Surroundings, Term, Told
 
 STIFFEST, STEEPEST, GRADUALLY, WIDER = 6.0, 30.0, 0.99, 1.5
-AT_HOME, SKINS, FIRM = 0.02, 3.0, 1.0
+AT_HOME, WIDE, SKINS, FIRM = 0.02, 8.0, 3.0, 1.0
 SIDES, HARDENING, LOSSY = ("upper", "lower"), "hardening", "lossy"
 
 
@@ -78,12 +78,19 @@ class Contact(Term):
     def also_at(self, values: np.ndarray, around: Surroundings) -> tuple[str, ...]:
         """Compliance, where it is met at home: there one wire takes over, softer than the other.
 
+        Or about home, if a wire hangs slack soon after.
+
         An end stop, where the simulation goes only a few skins into it: how stiff it comes to be
         does not show.
         """
-        _, angle, skin = values[:3]
+        stiffness, angle, skin, *more = values
         end = around.angle_low + (around.angle_span if self.side > 0.0 else 0.0)
-        at_home = abs(angle) < min(skin, AT_HOME * around.angle_span)
+        slack = angle
+        if "unloading" in self.form and stiffness > 0.0:
+            slack += self.side * more[0] / stiffness
+        home = AT_HOME * around.angle_span
+        low, high = sorted((angle, slack))
+        at_home = low - home < 0.0 < high + home and high - low < WIDE * home
         shallow = self.side * (end - angle) < SKINS * skin
         return tuple(n for n, so in ((Compliance.name, at_home), (EndStop.name, shallow)) if so)
 
@@ -94,12 +101,14 @@ class Contact(Term):
     def instead(self, values: np.ndarray, motion: Motion, around: Surroundings) -> Sequence[Told]:
         """An end stop, met where this is or elsewhere, once it is as stiff as the wire.
 
-        Or, once it can be met no more gradually, a wire that is softer than the other.
+        Or a wire that is softer than the other, once it can be met no more gradually, or while it
+        is soft, changes twice: as it is met, and as a wire hangs slack.
         """
         skin = self.parameters(around)[2].high
-        if values[2] >= GRADUALLY * skin:
+        changes_twice = "unloading" in self.form and values[0] < FIRM
+        if values[2] >= GRADUALLY * skin or changes_twice:
             side = SIDES[0] if self.side > 0.0 else SIDES[1]
-            return [[(SofterSide(side), np.array([*values[:2], WIDER * values[2]]))]]
+            return [[(SofterSide(side), np.array([*values[:2], WIDER * max(values[2], skin)]))]]
         if values[0] < FIRM:
             return ()
         stop = EndStop("upper" if self.side > 0.0 else "lower")

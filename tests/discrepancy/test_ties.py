@@ -8,12 +8,12 @@ import pytest
 from pipeline.discrepancy.fitting.fit import evaluate
 from pipeline.discrepancy.fitting.ground import Ground, ground_of
 from pipeline.discrepancy.noise.noise import NoiseModel
-from pipeline.discrepancy.search.choose import Choice
 from pipeline.discrepancy.search.disguise import (
     plainly,
 )
 from pipeline.discrepancy.search.equivalents import equivalents
 from pipeline.discrepancy.search.ties import standing
+from pipeline.discrepancy.search.weighing import Choice
 from pipeline.physics.catalogue import term
 from pipeline.physics.mechanism import Piece
 from tests.discrepancy.made import NOISE, changed, chosen, posed, recorded
@@ -98,14 +98,32 @@ def test_what_touches_on_both_sides_may_as_well_be_soft(ground):
 
 
 @pytest.mark.parametrize(
-    ("angle", "skin", "alternatives"),
-    [(0.4, 1.0, ("compliance",)), (3.0, 1.0, ()), (3.0, 4.0, ())],
-    ids=["home", "elsewhere", "gradually, elsewhere"],
+    ("form", "values", "alternatives"),
+    [
+        ("upper", [0.3, 0.4, 1.0], ("compliance",)),
+        ("upper", [0.3, 0.7, 0.1], ("compliance",)),
+        ("upper", [0.3, 3.0, 1.0], ()),
+        ("upper", [0.3, 3.0, 4.0], ()),
+        ("upper unloading", [0.1, -2.6, 0.1, 0.5], ("compliance",)),
+        ("lower unloading", [0.1, 2.6, 0.1, 0.5], ("compliance",)),
+        ("upper unloading", [0.1, 3.0, 0.1, 0.5], ()),
+        ("upper unloading", [0.1, -3.0, 0.1, 5.0], ()),
+    ],
+    ids=[
+        "home",
+        "home, sharply",
+        "elsewhere",
+        "gradually, elsewhere",
+        "slack after home",
+        "slack after home, below",
+        "slack elsewhere",
+        "slack far beyond",
+    ],
 )
 def test_what_touches_at_home_may_be_the_softer_wire_on_the_other_side(
-    ground, angle, skin, alternatives
+    ground, form, values, alternatives
 ):
-    contact = Piece(term("contact", "upper"), np.array([0.3, angle, skin]))
+    contact = Piece(term("contact", form), np.array(values))
     best = Choice(evaluate(ground, [contact]), (0, 0, 0), 0.0)
     found = standing("contact", best, [best], ground.problem)
     assert found.alternatives == alternatives

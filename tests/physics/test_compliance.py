@@ -42,3 +42,12 @@ def test_a_contact_that_can_be_met_no_more_gradually_may_be_the_softer_wire(form
     (told,) = contact.instead(np.array([0.3, 1.0, widest, *tail]), motion, AROUND)
     assert [(t.name, t.form) for t, _ in told] == [("compliance", form.split()[0])]
     assert not contact.instead(np.array([0.3, 1.0, 0.5 * widest, *tail]), motion, AROUND)
+
+
+def test_a_contact_beyond_which_a_wire_hangs_slack_may_be_the_softer_wire():
+    motion = Motion(np.zeros(2), np.arange(2.0), np.zeros(2, dtype=int))
+    contact = Contact("lower unloading")
+    (told,) = contact.instead(np.array([0.1, 4.7, 0.07, 1.0]), motion, AROUND)
+    ((softer, values),) = told
+    assert (softer.name, softer.form) == ("compliance", "lower")
+    assert values[2] >= softer.parameters(AROUND)[2].low
