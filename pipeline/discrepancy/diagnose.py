@@ -30,11 +30,11 @@ from pipeline.discrepancy.noise.noise import NoiseModel
 from pipeline.discrepancy.problem.force_problem import averaged
 from pipeline.discrepancy.problem.problem import Problem
 from pipeline.discrepancy.problem.thinning import thinned
-from pipeline.discrepancy.search.choose import Choice
 from pipeline.discrepancy.search.counted import set_aside, turning
 from pipeline.discrepancy.search.excited import not_excited
 from pipeline.discrepancy.search.explain import Explanation, explain
 from pipeline.discrepancy.search.force_late import explained_in_time
+from pipeline.discrepancy.search.weighing import Choice
 from pipeline.physics.drift import Drift
 from pipeline.recording import Recording
 

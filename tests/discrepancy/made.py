@@ -14,8 +14,8 @@ from pipeline.discrepancy.model.result import DiagnosisResult, Estimate
 from pipeline.discrepancy.noise.family import noise_family
 from pipeline.discrepancy.noise.learning import NoisePrior
 from pipeline.discrepancy.problem.problem import Problem, pose_problem
-from pipeline.discrepancy.search.choose import Choice, Search
 from pipeline.discrepancy.search.explain import Explanation, explain
+from pipeline.discrepancy.search.weighing import Choice, Search
 from pipeline.physics.catalogue import term
 from pipeline.physics.kinematics import CubicCurve
 from pipeline.physics.mechanism import Mechanism, Piece

@@ -9,7 +9,7 @@ from pipeline.discrepancy.fitting.fit import evaluate, improve
 from pipeline.discrepancy.fitting.ground import ground_of
 from pipeline.discrepancy.noise.noise import NoiseModel
 from pipeline.discrepancy.problem.outliers import at_commands, returning
-from pipeline.discrepancy.search.choose import allowed, choose, simpler
+from pipeline.discrepancy.search.choose import allowed, choose
 from pipeline.discrepancy.search.contested import contested, levelled, rival_names
 from pipeline.discrepancy.search.disguise import as_itself, plain_fit, undisguised, with_plain
 from pipeline.discrepancy.search.exchange import exchanged
@@ -19,6 +19,7 @@ from pipeline.discrepancy.search.explain import (
     refuted,
     searched_wide,
 )
+from pipeline.discrepancy.search.growth import simpler
 from pipeline.discrepancy.search.moves import merged
 from pipeline.physics.catalogue import term
 from pipeline.physics.mechanism import Piece
@@ -215,6 +216,19 @@ def test_a_near_rival_is_weighed_in_the_form_that_suits_it():
     assert again[0].fit.key != near.fit.key
     assert again[0].score < late.score
     assert levelled(search, [late, replace(first, score=late.score + 100.0)])[0] is late
+
+
+def test_one_name_fewer_is_weighed_in_the_forms_that_it_has_without_that():
+    found = explained(recorded({"tension_loss/cycle": {"growth_a_cycle": 0.5, "width": 2.0}}))
+    search, true = found.search, found.choices[0]
+    assert true.fit.names == ("tension_loss",)
+    begun = Piece(term("tension_loss", "cycle dragged"), np.array([0.5, 0.0, 1.9]))
+    late = Piece(term("response_lag", "whole"), np.array([4.5]))
+    alone, both = (evaluate(true.fit.ground, p) for p in ((begun,), (begun, late)))
+    best, rubbing = (search.weighed(improve(fit), true.place) for fit in (both, alone))
+    assert rubbing.score > true.score + 3.0
+    again = levelled(search, [best, replace(rubbing, score=best.score + 60.0)])
+    assert min(c.score for c in again if len(c.fit.pieces) == 1) < true.score + 3.0
 
 
 def test_two_names_in_the_place_of_one_are_weighed_in_plainer_forms_too():

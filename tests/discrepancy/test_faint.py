@@ -7,8 +7,8 @@ import pytest
 
 from pipeline.discrepancy.fitting.fit import evaluate, improve
 from pipeline.discrepancy.judgement.faint import charged, without_faint
-from pipeline.discrepancy.search.choose import LEAST_GAIN
 from pipeline.discrepancy.search.explain import Explanation
+from pipeline.discrepancy.search.weighing import LEAST_GAIN
 from pipeline.physics.catalogue import term
 from pipeline.physics.mechanism import Piece
 from tests.discrepancy.made import explained, recorded

@@ -14,7 +14,7 @@ from pipeline.discrepancy.judgement.verdict import (
 )
 from pipeline.discrepancy.noise.noise import NoiseModel
 from pipeline.discrepancy.search.accuracy import evenly_calibrated
-from pipeline.discrepancy.search.choose import Choice, names
+from pipeline.discrepancy.search.weighing import Choice, names
 from pipeline.physics.catalogue import term
 from pipeline.physics.mechanism import Piece
 from tests.discrepancy.made import ANGLE, NOISE, changed, explanation_of, posed, recorded

@@ -8,9 +8,9 @@ import pytest
 
 from pipeline.discrepancy.fitting.fit import evaluate, improve
 from pipeline.discrepancy.noise.family import WHITE
-from pipeline.discrepancy.search.choose import Choice
 from pipeline.discrepancy.search.elsewhere import Key
 from pipeline.discrepancy.search.polish import Tried, swap
+from pipeline.discrepancy.search.weighing import Choice
 from pipeline.physics.catalogue import BENDS, instead, term
 from pipeline.physics.creep import Creep
 from pipeline.physics.mechanism import Piece

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from pipeline.discrepancy.fitting.fit import evaluate
-from pipeline.discrepancy.search.choose import Choice
 from pipeline.discrepancy.search.explain import Explanation
 from pipeline.discrepancy.search.odd import FIRM, may_mop_up
+from pipeline.discrepancy.search.weighing import Choice
 from pipeline.physics.catalogue import term
 from pipeline.physics.mechanism import Piece
 from tests.discrepancy.made import explained, recorded

@@ -11,8 +11,8 @@ from pipeline.discrepancy.fitting.ground import ground_of
 from pipeline.discrepancy.judgement.mistaken import after_some_steps, share_and_size
 from pipeline.discrepancy.noise.noise import NoiseModel
 from pipeline.discrepancy.problem.outliers import bursts, isolated, longest_burst
-from pipeline.discrepancy.search.choose import Choice
 from pipeline.discrepancy.search.counted import between_slips
+from pipeline.discrepancy.search.weighing import Choice
 from pipeline.physics.kinematics import CubicCurve
 from pipeline.physics.lost_steps import LostSteps
 from pipeline.physics.mechanism import Piece

@@ -4,8 +4,8 @@ import numpy as np
 
 from pipeline.discrepancy.fitting.fit import evaluate, improve
 from pipeline.discrepancy.fitting.ground import ground_of
-from pipeline.discrepancy.search.choose import names
 from pipeline.discrepancy.search.played import played
+from pipeline.discrepancy.search.weighing import names
 from pipeline.physics.catalogue import term
 from pipeline.physics.mechanism import Piece
 from pipeline.physics.uneven_play import WORN

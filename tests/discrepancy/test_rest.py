@@ -7,7 +7,7 @@ from pipeline.discrepancy.fitting.fit import evaluate
 from pipeline.discrepancy.fitting.ground import ground_of
 from pipeline.discrepancy.judgement.rest import DOUBTED, structured_rest
 from pipeline.discrepancy.noise.noise import NoiseModel
-from pipeline.discrepancy.search.choose import Choice
+from pipeline.discrepancy.search.weighing import Choice
 from tests.discrepancy.made import explanation_of, followed, posed, strokes
 
 CORRELATION, NOISE = 0.85, 0.15

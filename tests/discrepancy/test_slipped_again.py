@@ -7,7 +7,7 @@ from pipeline.discrepancy.fitting.ground import ground_of
 from pipeline.discrepancy.judgement.rivals import mechanism_of
 from pipeline.discrepancy.judgement.slipped_again import Slip, slipped_again
 from pipeline.discrepancy.noise.noise import NoiseModel
-from pipeline.discrepancy.search.choose import Choice
+from pipeline.discrepancy.search.weighing import Choice
 from tests.discrepancy.made import NOISE, STEPS, chosen, diagnosed, names, posed, recorded
 
 FIRST = {"jump": 2.0, "time": 1200.0}

@@ -7,8 +7,8 @@ import pytest
 
 from pipeline.discrepancy.fitting.fit import evaluate
 from pipeline.discrepancy.fitting.ground import ground_of
-from pipeline.discrepancy.search.choose import names
 from pipeline.discrepancy.search.stepped import SHORTEST, stepped, steps
+from pipeline.discrepancy.search.weighing import names
 from pipeline.physics.catalogue import term
 from pipeline.physics.mechanism import Piece
 from tests.discrepancy.made import ANGLE, changed, explained, recorded

@@ -14,9 +14,9 @@ from pipeline.discrepancy.noise.family import noise_family
 from pipeline.discrepancy.noise.learning import NoisePrior
 from pipeline.discrepancy.noise.noise import NoiseModel
 from pipeline.discrepancy.problem.problem import Problem, pose_problem
-from pipeline.discrepancy.search.choose import wanders
 from pipeline.discrepancy.search.explain import explain
 from pipeline.discrepancy.search.foretold import errors_ahead, least_errors, parts_of
+from pipeline.discrepancy.search.weighing import wanders
 from pipeline.physics.catalogue import term
 from pipeline.physics.kinematics import CubicCurve
 from pipeline.physics.mechanism import Mechanism, Piece

@@ -8,8 +8,9 @@ import pytest
 from pipeline.discrepancy.fitting.fit import evaluate
 from pipeline.discrepancy.judgement.structure import Structure
 from pipeline.discrepancy.judgement.verdict import sure_of_slow, told_but_for_its_form
-from pipeline.discrepancy.search.choose import Choice, Place, names
+from pipeline.discrepancy.noise.family import Place
 from pipeline.discrepancy.search.explain import Explanation
+from pipeline.discrepancy.search.weighing import Choice, names
 from pipeline.physics.catalogue import term
 from pipeline.physics.mechanism import Piece
 from tests.discrepancy.made import explained, recorded

@@ -10,16 +10,22 @@ TRIED = 6
 
 
 def settle_moments(fit: Fit) -> Fit:
-    """The fit with each moment of a slip moved to the sample before which it fits best."""
+    """The fit with each moment of a slip moved to the sample before which it fits best.
+
+    Farther samples are tried where a neighbour fits better.
+    """
     for i, piece in enumerate(fit.pieces):
         for j in moments_of(fit, piece):
             times = moments(fit)
             for stride in STRIDES:
                 near = int(np.argmin(np.abs(times - fit.pieces[i].values[j])))
-                first, last = near - stride * TRIED, near + stride * TRIED
-                places = range(max(first, 0), min(last + 1, len(times)), stride)
-                best = min((moved(fit, i, j, times[k]) for k in places), key=lambda t: t.cost)
-                if best.cost < fit.cost:
+                for reach in (1, TRIED):
+                    first, last = near - stride * reach, near + stride * reach
+                    places = range(max(first, 0), min(last + 1, len(times)), stride)
+                    best = min((moved(fit, i, j, times[k]) for k in places), key=lambda t: t.cost)
+                    if best.cost >= fit.cost:
+                        break
+                else:
                     fit = improve(best, 3)
     return in_order(fit)
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from pipeline.discrepancy.noise.force_noise import spell_of
 from pipeline.discrepancy.problem.force_problem import top_of
-from pipeline.discrepancy.search.choose import Choice
+from pipeline.discrepancy.search.weighing import Choice
 from pipeline.recording import reversals_of
 
 NEIGHBOURS, STROKES = 24, 2

@@ -8,8 +8,8 @@ from scipy.special import chdtrc
 from pipeline.discrepancy.fitting.fit import evaluate, improve
 from pipeline.discrepancy.judgement.structure import Structure, mismatch_variance
 from pipeline.discrepancy.model.result import NamedPhysics
-from pipeline.discrepancy.search.choose import Choice
 from pipeline.discrepancy.search.explain import Explanation
+from pipeline.discrepancy.search.weighing import Choice
 from pipeline.physics.catalogue import term
 from pipeline.physics.mechanism import Piece
 

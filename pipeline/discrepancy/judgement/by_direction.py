@@ -6,7 +6,7 @@ from pipeline.discrepancy.fitting.fit import Fit, evaluate, improve
 from pipeline.discrepancy.model.intervals import DEVIATIONS, FALL, wide_covariance
 from pipeline.discrepancy.model.result import Estimate
 from pipeline.discrepancy.noise.family import NoiseFamily
-from pipeline.discrepancy.search.choose import Choice
+from pipeline.discrepancy.search.weighing import Choice
 from pipeline.number_words import worded
 from pipeline.physics.force_term import ASYMMETRY, ForceTerm
 from pipeline.physics.mechanism import Piece

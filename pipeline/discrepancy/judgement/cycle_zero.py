@@ -5,7 +5,7 @@ from scipy.special import chdtri, fdtrc
 
 from pipeline.discrepancy.model.result import Estimate, Evidence, NamedPhysics
 from pipeline.discrepancy.problem.problem import Problem
-from pipeline.discrepancy.search.choose import Choice
+from pipeline.discrepancy.search.weighing import Choice
 from pipeline.number_words import worded
 from pipeline.physics.drift import Drift
 from pipeline.physics.lost_steps import LostSteps

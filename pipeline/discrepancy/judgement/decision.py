@@ -21,10 +21,10 @@ from pipeline.discrepancy.search.accuracy import (
     evenly_calibrated,
     within_accuracy,
 )
-from pipeline.discrepancy.search.choose import Choice
 from pipeline.discrepancy.search.disguise import undisguised
 from pipeline.discrepancy.search.explain import Explanation
 from pipeline.discrepancy.search.foretold import foretold_part, testable
+from pipeline.discrepancy.search.weighing import Choice
 
 
 def decided(problem: Problem, explanation: Explanation) -> tuple[Choice, Structure, bool]:

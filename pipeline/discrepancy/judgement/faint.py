@@ -7,8 +7,8 @@ import numpy as np
 from pipeline.discrepancy.fitting.fit import evaluate, improve
 from pipeline.discrepancy.judgement.structure import structure_of
 from pipeline.discrepancy.judgement.verdict import mean_square
-from pipeline.discrepancy.search.choose import LEAST_GAIN, Choice, names
 from pipeline.discrepancy.search.explain import Explanation
+from pipeline.discrepancy.search.weighing import LEAST_GAIN, Choice, names
 
 FAINTEST, SMALL = 0.25, 0.5
 BESIDE = 2

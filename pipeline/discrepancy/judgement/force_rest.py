@@ -3,7 +3,7 @@
 import numpy as np
 
 from pipeline.discrepancy.judgement.rest import travelled
-from pipeline.discrepancy.search.choose import Choice
+from pipeline.discrepancy.search.weighing import Choice
 from pipeline.recording import reversals_of
 
 FEWEST_BENDS = 40

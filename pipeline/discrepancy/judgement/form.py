@@ -7,8 +7,8 @@ import numpy as np
 
 from pipeline.discrepancy.fitting.fit import evaluate, improve
 from pipeline.discrepancy.judgement.verdict import mean_square
-from pipeline.discrepancy.search.choose import Choice, names
 from pipeline.discrepancy.search.explain import Explanation
+from pipeline.discrepancy.search.weighing import Choice, names
 
 LEAST_SHARE, MOST_TOGETHER, MANY = 0.01, 0.02, 3
 

@@ -18,9 +18,9 @@ from pipeline.discrepancy.judgement.rivals import mechanism_of
 from pipeline.discrepancy.judgement.structure import Structure
 from pipeline.discrepancy.model.intervals import estimates, stated
 from pipeline.discrepancy.model.result import Evidence, NamedPhysics
-from pipeline.discrepancy.search.choose import Choice
 from pipeline.discrepancy.search.explain import Explanation
 from pipeline.discrepancy.search.ties import standing
+from pipeline.discrepancy.search.weighing import Choice
 from pipeline.physics.coupling import Coupling
 from pipeline.physics.force_term import ForceTerm
 from pipeline.physics.mechanism import Piece

@@ -13,8 +13,8 @@ from pipeline.discrepancy.problem.fitted import LOOSE_GAIN
 from pipeline.discrepancy.problem.inputs import input_shares, said_shares
 from pipeline.discrepancy.problem.problem import Problem
 from pipeline.discrepancy.search.accuracy import hidden
-from pipeline.discrepancy.search.choose import Choice
 from pipeline.discrepancy.search.explain import Explanation
+from pipeline.discrepancy.search.weighing import Choice
 from pipeline.number_words import worded
 from pipeline.physics.differentiation import Derivatives
 from pipeline.recording import Recording

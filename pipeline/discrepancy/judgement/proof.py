@@ -18,10 +18,10 @@ from pipeline.discrepancy.model.result import root_mean
 from pipeline.discrepancy.noise.noise import SLOW_CORRELATION, NoiseModel
 from pipeline.discrepancy.noise.wander import comes_back
 from pipeline.discrepancy.problem.problem import Problem
-from pipeline.discrepancy.search.choose import FAR_WALK, Choice
 from pipeline.discrepancy.search.counted import set_aside, settled_rows
 from pipeline.discrepancy.search.explain import Explanation
 from pipeline.discrepancy.search.refuted import refuted as unrepeated
+from pipeline.discrepancy.search.weighing import FAR_WALK, Choice
 
 TWICE, HALF, FAR, SURE = 2.0, 0.5, 1.5, 3.0
 FEWEST_BEYOND = 20

@@ -14,10 +14,10 @@ from pipeline.discrepancy.judgement.rivals import mechanism_of
 from pipeline.discrepancy.judgement.slipped_again import slipped_again
 from pipeline.discrepancy.model.intervals import moment_interval, undated
 from pipeline.discrepancy.problem.problem import Problem
-from pipeline.discrepancy.search.choose import Choice, names
 from pipeline.discrepancy.search.counted import INCREDIBLE, set_aside, settled_rows
 from pipeline.discrepancy.search.elsewhere import differing
 from pipeline.discrepancy.search.explain import Explanation
+from pipeline.discrepancy.search.weighing import Choice, names
 from pipeline.physics.catalogue import with_richer
 from pipeline.physics.term import Term
 

@@ -12,8 +12,8 @@ from pipeline.discrepancy.noise.hats import hats
 from pipeline.discrepancy.noise.learning import NoisePrior
 from pipeline.discrepancy.noise.noise import NoiseModel
 from pipeline.discrepancy.problem.problem import Problem
-from pipeline.discrepancy.search.choose import Choice
 from pipeline.discrepancy.search.refuted import in_common
+from pipeline.discrepancy.search.weighing import Choice
 from pipeline.recording import branch_of, reversals_of
 
 FINE, COARSE, TRAVELS = 24, 5, 12

@@ -6,11 +6,12 @@ from pipeline.discrepancy.fitting.fit import evaluate
 from pipeline.discrepancy.model.model import Hypothesis
 from pipeline.discrepancy.model.zero import zero_at_end
 from pipeline.discrepancy.problem.problem import Problem
-from pipeline.discrepancy.search.choose import RIVAL_GAP, Choice, by_names, extended, names
+from pipeline.discrepancy.search.choose import extended
 from pipeline.discrepancy.search.disguise import as_itself, plain
 from pipeline.discrepancy.search.equivalents import equivalents
 from pipeline.discrepancy.search.explain import Explanation
 from pipeline.discrepancy.search.ties import weights_of
+from pipeline.discrepancy.search.weighing import RIVAL_GAP, Choice, by_names, names
 from pipeline.physics.catalogue import BENDS
 from pipeline.physics.mechanism import Mechanism
 

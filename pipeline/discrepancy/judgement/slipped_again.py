@@ -6,7 +6,7 @@ import numpy as np
 
 from pipeline.discrepancy.judgement.rivals import mechanism_of
 from pipeline.discrepancy.problem.problem import Problem
-from pipeline.discrepancy.search.choose import Choice
+from pipeline.discrepancy.search.weighing import Choice
 from pipeline.number_words import worded
 from pipeline.physics.lost_steps import LostSteps
 from pipeline.physics.mechanism import Mechanism, Piece

@@ -18,8 +18,8 @@ from pipeline.discrepancy.judgement.swinging import swings
 from pipeline.discrepancy.noise.family import WALKS, Place
 from pipeline.discrepancy.noise.learning import FINEST
 from pipeline.discrepancy.noise.noise import SLOW_CORRELATION, NoiseModel
-from pipeline.discrepancy.search.choose import Choice, piled
 from pipeline.discrepancy.search.explain import Explanation
+from pipeline.discrepancy.search.weighing import Choice, piled
 from pipeline.number_words import worded
 from pipeline.recording import branch_of
 

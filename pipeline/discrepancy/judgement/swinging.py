@@ -3,8 +3,8 @@
 import numpy as np
 from scipy.special import bdtrc
 
-from pipeline.discrepancy.search.choose import Choice
 from pipeline.discrepancy.search.explain import Explanation
+from pipeline.discrepancy.search.weighing import Choice
 
 SOON = 8
 FEWEST = 6

@@ -15,9 +15,9 @@ from pipeline.discrepancy.judgement.structure import (
     structure_of,
 )
 from pipeline.discrepancy.noise.family import usual_charge
-from pipeline.discrepancy.search.choose import Choice, names, piled, wanders
 from pipeline.discrepancy.search.explain import Explanation
 from pipeline.discrepancy.search.pressed import plainer
+from pipeline.discrepancy.search.weighing import Choice, names, piled, wanders
 
 ENOUGH = 0.7
 MOST_LEFT = 0.1

@@ -10,8 +10,9 @@ from pipeline.discrepancy.fitting.ground import Ground
 from pipeline.discrepancy.noise.force_noise import LEAST_SPELL, spell_of
 from pipeline.discrepancy.noise.learning import FINEST
 from pipeline.discrepancy.noise.noise import NoiseModel
-from pipeline.discrepancy.search.choose import Choice, Search, extended
+from pipeline.discrepancy.search.choose import extended
 from pipeline.discrepancy.search.foretold import error_ahead, parts_of
+from pipeline.discrepancy.search.weighing import Choice, Search
 
 BETTER, NEARLY = 0.9, 0.9
 

@@ -1,7 +1,8 @@
 """One bend or play in a richer form in place of several names."""
 
-from pipeline.discrepancy.search.choose import Choice, Search, among, best_of_each, extended
+from pipeline.discrepancy.search.choose import extended
 from pipeline.discrepancy.search.polish import polished
+from pipeline.discrepancy.search.weighing import Choice, Search, among, best_of_each
 from pipeline.physics.catalogue import BEND, WORN, richer
 from pipeline.physics.term import Term
 

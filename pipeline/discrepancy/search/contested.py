@@ -4,25 +4,24 @@ from collections.abc import Sequence, Set
 from dataclasses import replace
 
 from pipeline.discrepancy.fitting.fit import evaluate, improve
-from pipeline.discrepancy.search.choose import (
+from pipeline.discrepancy.search.choose import choose
+from pipeline.discrepancy.search.disguise import plain
+from pipeline.discrepancy.search.growth import grown, simpler
+from pipeline.discrepancy.search.moves import recurved
+from pipeline.discrepancy.search.polish import polished
+from pipeline.discrepancy.search.weighing import (
     LEAST_GAIN,
     RIVAL_GAP,
     Choice,
     Search,
     best_of_each,
     by_names,
-    choose,
-    grown,
     names,
-    simpler,
 )
-from pipeline.discrepancy.search.disguise import plain
-from pipeline.discrepancy.search.moves import recurved
-from pipeline.discrepancy.search.polish import polished
 from pipeline.physics.catalogue import BENDS
 
 MOST, LEVELLED = 2, 4
-FAR = 3.0 * RIVAL_GAP
+FAR, WORTH = 3.0 * RIVAL_GAP, 100.0
 
 
 def contested(search: Search, choices: Sequence[Choice]) -> list[Choice]:
@@ -73,7 +72,16 @@ def levelled(search: Search, choices: Sequence[Choice]) -> list[Choice]:
         if not names(rival) & BENDS <= names(best):
             rival = recurved(search, rival)
         found.append(grown(search, simpler(search, rival), but=names(best)))
+    found += [grown(search, simpler(search, fewer)) for fewer in one_name_fewer(choices)]
     return best_of_each(found)
+
+
+def one_name_fewer(choices: Sequence[Choice]) -> list[Choice]:
+    """The best of each set of all names of the best choice but one, if it is not far behind."""
+    all_names = names(choices[0])
+    near = [c for c in by_names(list(choices)) if c.score < choices[0].score + WORTH]
+    sets = [c for c in near if c.fit.pieces and names(c) < all_names]
+    return [c for c in sets if len(names(c)) + 1 == len(all_names)]
 
 
 def rival_names(choices: Sequence[Choice]) -> list[frozenset[str]]:

@@ -16,7 +16,7 @@ from pipeline.discrepancy.problem.outliers import (
     returning,
 )
 from pipeline.discrepancy.problem.problem import Problem
-from pipeline.discrepancy.search.choose import Choice
+from pipeline.discrepancy.search.weighing import Choice
 from pipeline.physics.lost_steps import LostSteps
 from pipeline.recording import reversals_of
 

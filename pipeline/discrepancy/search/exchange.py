@@ -4,8 +4,10 @@ from collections.abc import Sequence
 
 from pipeline.discrepancy.fitting.fit import ITERATIONS, Fit, evaluate, improve
 from pipeline.discrepancy.fitting.screen import clipped
-from pipeline.discrepancy.search.choose import MOST_TERMS, Choice, Search, excludes, grown
+from pipeline.discrepancy.search.choose import excludes
 from pipeline.discrepancy.search.elsewhere import Key, differing
+from pipeline.discrepancy.search.growth import grown
+from pipeline.discrepancy.search.weighing import MOST_TERMS, Choice, Search
 from pipeline.physics.catalogue import instead
 from pipeline.physics.mechanism import Piece
 

@@ -15,20 +15,7 @@ from pipeline.discrepancy.problem.problem import Problem
 from pipeline.discrepancy.problem.thinning import sparser
 from pipeline.discrepancy.search.accuracy import within_accuracy
 from pipeline.discrepancy.search.alone import alone
-from pipeline.discrepancy.search.choose import (
-    LEAST_GAIN,
-    RIVAL_GAP,
-    SAME,
-    Choice,
-    Search,
-    best_of_each,
-    by_names,
-    choose,
-    choose_again,
-    extended,
-    grown,
-    piled,
-)
+from pipeline.discrepancy.search.choose import choose, choose_again, extended
 from pipeline.discrepancy.search.contested import contested, levelled
 from pipeline.discrepancy.search.counted import (
     all_beyond,
@@ -40,12 +27,23 @@ from pipeline.discrepancy.search.counted import (
 from pipeline.discrepancy.search.disguise import with_plain
 from pipeline.discrepancy.search.excited import excited_terms
 from pipeline.discrepancy.search.foretold import foretelling
+from pipeline.discrepancy.search.growth import grown
 from pipeline.discrepancy.search.odd import oddly
 from pipeline.discrepancy.search.polish import polished
 from pipeline.discrepancy.search.pressed import pressed
-from pipeline.discrepancy.search.refuted import refuted
+from pipeline.discrepancy.search.refuted import misfits, refuted
 from pipeline.discrepancy.search.second_order import swinging
 from pipeline.discrepancy.search.sprung import sprung
+from pipeline.discrepancy.search.weighing import (
+    LEAST_GAIN,
+    RIVAL_GAP,
+    SAME,
+    Choice,
+    Search,
+    best_of_each,
+    by_names,
+    piled,
+)
 
 TURNS, STANDING, SETTLED = 4, 1.0, 3
 JUDGED_GAP = 25.0
@@ -129,9 +127,10 @@ def searched(problem: Problem) -> Explanation:
         if np.sum(found != last) > MANY * len(found):
             search, used, choices = chosen_anew(search, prior, settled & ~found, choices)
     told = pressed(search, sprung(search, oddly(search, alone(search, polished(search, choices)))))
-    choices = levelled(search, searched_wide(search, choices, swinging(search, told)))
-    choices = best_of_each([*contested(search, choices), *search.seen.values()])
-    choices = grown_last(search, choices)
+    choices = searched_wide(search, choices, swinging(search, told))
+    if not (refuted(search, choices[0]) or misfits(search, choices[0])):
+        choices = contested(search, levelled(search, choices))
+    choices = grown_last(search, best_of_each([*choices, *search.seen.values()]))
     if prior.repeats == 0 and problem.derivatives is None:
         search, choices = judged(search, choices)
         near = [c for c in by_names(choices) if c.score < choices[0].score + RIVAL_GAP][:SETTLED]

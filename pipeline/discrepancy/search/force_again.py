@@ -4,19 +4,19 @@ from dataclasses import replace
 
 from pipeline.discrepancy.fitting.fit import evaluate, improve
 from pipeline.discrepancy.fitting.reform import reformed
-from pipeline.discrepancy.search.choose import (
+from pipeline.discrepancy.search.choose import extended
+from pipeline.discrepancy.search.excited import further_terms
+from pipeline.discrepancy.search.explain import Explanation
+from pipeline.discrepancy.search.growth import grown
+from pipeline.discrepancy.search.polish import polished
+from pipeline.discrepancy.search.weighing import (
     LEAST_GAIN,
     MOST_TERMS,
     Choice,
     Search,
     among,
     best_of_each,
-    extended,
-    grown,
 )
-from pipeline.discrepancy.search.excited import further_terms
-from pipeline.discrepancy.search.explain import Explanation
-from pipeline.discrepancy.search.polish import polished
 from pipeline.physics.catalogue import LATE, SPRUNG
 from pipeline.physics.viscous_friction import ViscousFriction
 

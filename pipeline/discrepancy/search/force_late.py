@@ -6,10 +6,10 @@ from pipeline.discrepancy.fitting.charge import complexity, independent
 from pipeline.discrepancy.fitting.fit import Fit
 from pipeline.discrepancy.problem.force_problem import averaged
 from pipeline.discrepancy.problem.problem import Problem
-from pipeline.discrepancy.search.choose import Choice
 from pipeline.discrepancy.search.explain import Explanation, explain
 from pipeline.discrepancy.search.force_again import searched_again
 from pipeline.discrepancy.search.force_delay import delay_of, late
+from pipeline.discrepancy.search.weighing import Choice
 from pipeline.physics.catalogue import LATE
 from pipeline.physics.frame_lag import FrameLag
 

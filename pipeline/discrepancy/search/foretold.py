@@ -8,7 +8,7 @@ import numpy as np
 from pipeline.discrepancy.fitting.charge import complexity, independent
 from pipeline.discrepancy.fitting.fit import Fit, evaluate, improve
 from pipeline.discrepancy.fitting.ground import Ground
-from pipeline.discrepancy.search.choose import TIE, Choice, names
+from pipeline.discrepancy.search.weighing import TIE, Choice, names
 from pipeline.physics.lost_steps import LostSteps
 from pipeline.physics.mechanism import Piece
 

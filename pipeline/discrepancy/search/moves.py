@@ -6,14 +6,9 @@ from itertools import combinations
 from pipeline.discrepancy.fitting.fit import ITERATIONS, Fit, evaluate, improve
 from pipeline.discrepancy.fitting.reform import reformed
 from pipeline.discrepancy.fitting.screen import late, screen, started
-from pipeline.discrepancy.search.choose import (
-    MOST_TERMS,
-    Choice,
-    Search,
-    allowed,
-    by_term,
-    simpler,
-)
+from pipeline.discrepancy.search.choose import allowed, by_term
+from pipeline.discrepancy.search.growth import simpler
+from pipeline.discrepancy.search.weighing import MOST_TERMS, Choice, Search
 from pipeline.physics.capstan_friction import CapstanFriction
 from pipeline.physics.catalogue import BEND, CARRYING, OFF_CENTRE, SHEATH_FORCES
 from pipeline.physics.driven_slack import DrivenSlack

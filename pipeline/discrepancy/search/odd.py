@@ -4,17 +4,16 @@ from itertools import combinations
 
 from pipeline.discrepancy.fitting.fit import ITERATIONS, evaluate, improve
 from pipeline.discrepancy.fitting.screen import screen, started
-from pipeline.discrepancy.search.choose import (
+from pipeline.discrepancy.search.choose import allowed, by_term
+from pipeline.discrepancy.search.polish import polished
+from pipeline.discrepancy.search.weighing import (
     LEAST_GAIN,
     Choice,
     Search,
-    allowed,
     among,
     best_of_each,
-    by_term,
     names,
 )
-from pipeline.discrepancy.search.polish import polished
 from pipeline.physics.catalogue import ODD, with_richer
 
 STEPS, NEAR, FIRM, MOST_KEPT = 4, 40.0, 100.0, 2

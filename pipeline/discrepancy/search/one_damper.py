@@ -2,7 +2,7 @@
 
 from pipeline.discrepancy.fitting.fit import evaluate
 from pipeline.discrepancy.fitting.reform import reformed
-from pipeline.discrepancy.search.choose import Choice, Search
+from pipeline.discrepancy.search.weighing import Choice, Search
 from pipeline.physics.catalogue import LATE_DAMPER, SPRUNG
 
 

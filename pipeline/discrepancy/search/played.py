@@ -7,8 +7,9 @@ from pipeline.discrepancy.fitting.fit import Fit, evaluate, improve
 from pipeline.discrepancy.fitting.ground import Ground
 from pipeline.discrepancy.fitting.reform import reformed
 from pipeline.discrepancy.fitting.screen import late
-from pipeline.discrepancy.search.choose import Choice, Search, excludes
+from pipeline.discrepancy.search.choose import excludes
 from pipeline.discrepancy.search.moves import curves
+from pipeline.discrepancy.search.weighing import Choice, Search
 from pipeline.physics.backlash import Backlash
 from pipeline.physics.mechanism import Piece
 from pipeline.physics.uneven_play import FORMS, UnevenPlay

@@ -3,18 +3,11 @@
 import numpy as np
 
 from pipeline.discrepancy.fitting.fit import evaluate, improve
-from pipeline.discrepancy.search.choose import (
-    MOST_TERMS,
-    SAME,
-    Choice,
-    Search,
-    best_of_each,
-    extended,
-    grown,
-)
+from pipeline.discrepancy.search.choose import extended
 from pipeline.discrepancy.search.coasted import coasted
 from pipeline.discrepancy.search.elsewhere import Key, freed
 from pipeline.discrepancy.search.exchange import exchanged
+from pipeline.discrepancy.search.growth import grown
 from pipeline.discrepancy.search.moves import (
     merged,
     parted,
@@ -28,6 +21,7 @@ from pipeline.discrepancy.search.played import played
 from pipeline.discrepancy.search.queued import queued
 from pipeline.discrepancy.search.rubbed import rubbed
 from pipeline.discrepancy.search.stepped import stepped
+from pipeline.discrepancy.search.weighing import MOST_TERMS, SAME, Choice, Search, best_of_each
 from pipeline.physics.backlash import Backlash
 from pipeline.physics.friction import Friction
 

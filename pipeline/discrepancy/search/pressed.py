@@ -5,8 +5,8 @@ import numpy as np
 from pipeline.discrepancy.fitting.charge import absurd_calibration
 from pipeline.discrepancy.fitting.fit import Fit, evaluate, improve, parameters_of
 from pipeline.discrepancy.fitting.reform import reformed
-from pipeline.discrepancy.search.choose import Choice, Search, best_of_each
 from pipeline.discrepancy.search.polish import polished
+from pipeline.discrepancy.search.weighing import Choice, Search, best_of_each
 from pipeline.physics.catalogue import PRESSED, SPRUNG, with_richer
 from pipeline.physics.coulomb_friction import CoulombFriction
 from pipeline.physics.mechanism import Piece

@@ -16,7 +16,8 @@ from pipeline.discrepancy.fitting.fit import (
     respond_beside,
 )
 from pipeline.discrepancy.fitting.screen import late
-from pipeline.discrepancy.search.choose import Choice, Search, excludes
+from pipeline.discrepancy.search.choose import excludes
+from pipeline.discrepancy.search.weighing import Choice, Search
 from pipeline.physics.catalogue import QUEUE
 from pipeline.physics.frame_lag import FrameLag
 from pipeline.physics.mechanism import Piece

@@ -4,7 +4,7 @@ import numpy as np
 from scipy.special import chdtrc
 
 from pipeline.discrepancy.noise.learning import NoisePrior
-from pipeline.discrepancy.search.choose import Choice, Search
+from pipeline.discrepancy.search.weighing import Choice, Search
 
 SURELY = 3.0
 FEWEST_AGAIN = 2

@@ -1,8 +1,8 @@
 """A wire that rubs ahead of all that loads the joint, at once: what a loop may be instead."""
 
 from pipeline.discrepancy.fitting.fit import ITERATIONS, evaluate, improve
-from pipeline.discrepancy.search.choose import Choice, Search
 from pipeline.discrepancy.search.played import PLAY, alone_as_play
+from pipeline.discrepancy.search.weighing import Choice, Search
 from pipeline.physics.friction import Friction
 from pipeline.physics.mechanism import Piece
 from pipeline.physics.rubbing_wire import RUBBING

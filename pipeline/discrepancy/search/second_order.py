@@ -5,16 +5,10 @@ from collections.abc import Sequence
 from pipeline.discrepancy.fitting.fit import Fit, evaluate, improve
 from pipeline.discrepancy.fitting.ground import Ground
 from pipeline.discrepancy.fitting.screen import late, screen, started
-from pipeline.discrepancy.search.choose import (
-    MOST_TERMS,
-    Choice,
-    Search,
-    best_of_each,
-    by_term,
-    extended,
-)
+from pipeline.discrepancy.search.choose import by_term, extended
 from pipeline.discrepancy.search.polish import polished
 from pipeline.discrepancy.search.refuted import misfits, refuted
+from pipeline.discrepancy.search.weighing import MOST_TERMS, Choice, Search, best_of_each
 from pipeline.physics.frame_lag import FrameLag
 from pipeline.physics.mechanism import Piece
 from pipeline.physics.second_order_lag import SecondOrderLag

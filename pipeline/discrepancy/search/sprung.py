@@ -1,15 +1,9 @@
 """A damper behind a spring in place of dry friction: one remembers time, the other travel."""
 
 from pipeline.discrepancy.fitting.reform import reformed
-from pipeline.discrepancy.search.choose import (
-    Choice,
-    Search,
-    among,
-    best_of_each,
-    choose,
-    extended,
-)
+from pipeline.discrepancy.search.choose import choose, extended
 from pipeline.discrepancy.search.polish import polished
+from pipeline.discrepancy.search.weighing import Choice, Search, among, best_of_each
 from pipeline.physics.catalogue import LATE_DAMPER, SPRUNG
 from pipeline.physics.coulomb_friction import CoulombFriction
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from pipeline.discrepancy.fitting.fit import Fit, evaluate, improve
 from pipeline.discrepancy.fitting.moments import settle_moments
-from pipeline.discrepancy.search.choose import FAINT, MOST_TERMS, Choice, Search
+from pipeline.discrepancy.search.weighing import FAINT, MOST_TERMS, Choice, Search
 from pipeline.physics.catalogue import RECURRING
 from pipeline.physics.lost_steps import LostSteps
 from pipeline.physics.mechanism import Piece

@@ -6,9 +6,9 @@ import numpy as np
 
 from pipeline.discrepancy.fitting.charge import complexity
 from pipeline.discrepancy.problem.problem import Problem
-from pipeline.discrepancy.search.choose import RIVAL_GAP, TIE, Choice, by_names, names
 from pipeline.discrepancy.search.disguise import as_itself, plain, plainly
 from pipeline.discrepancy.search.equivalents import equivalents
+from pipeline.discrepancy.search.weighing import RIVAL_GAP, TIE, Choice, by_names, names
 from pipeline.physics.catalogue import BENDS
 
 NEGLIGIBLE = 1e-4
