@@ -10,24 +10,29 @@ TRIED = 6
 
 
 def settle_moments(fit: Fit) -> Fit:
-    """The fit with each moment of a slip moved to the sample before which it fits best.
-
-    Farther samples are tried where a neighbour fits better.
-    """
+    """The fit with each moment of a slip moved to the sample before which it fits best."""
     for i, piece in enumerate(fit.pieces):
         for j in moments_of(fit, piece):
             times = moments(fit)
             for stride in STRIDES:
-                near = int(np.argmin(np.abs(times - fit.pieces[i].values[j])))
-                for reach in (1, TRIED):
-                    first, last = near - stride * reach, near + stride * reach
-                    places = range(max(first, 0), min(last + 1, len(times)), stride)
-                    best = min((moved(fit, i, j, times[k]) for k in places), key=lambda t: t.cost)
-                    if best.cost >= fit.cost:
-                        break
-                else:
-                    fit = improve(best, 3)
+                fit = moved_on(fit, i, j, times, stride)
     return in_order(fit)
+
+
+def moved_on(fit: Fit, place: int, parameter: int, times_s: np.ndarray, stride: int) -> Fit:
+    """The fit with a moment some strides on among times (n,), if that fits better.
+
+    Up to TRIED strides are tried, but no more than one where that makes the fit worse either way.
+    """
+    near = int(np.argmin(np.abs(times_s - fit.pieces[place].values[parameter])))
+    for strides in (1, TRIED):
+        first, last = near - stride * strides, near + stride * strides
+        places = range(max(first, 0), min(last + 1, len(times_s)), stride)
+        trials = (moved(fit, place, parameter, times_s[k]) for k in places)
+        best = min(trials, key=lambda t: t.cost)
+        if best.cost >= fit.cost:
+            return fit
+    return improve(best, 3)
 
 
 def in_order(fit: Fit) -> Fit:
