@@ -44,6 +44,7 @@ from pipeline.physics.sheath_force import SheathForce
 from pipeline.physics.sheath_stretch import SheathStretch
 from pipeline.physics.single_bump import SingleBump
 from pipeline.physics.slack import Slack
+from pipeline.physics.smooth_drift import SmoothDrift
 from pipeline.physics.soft_wire import SoftWire
 from pipeline.physics.softer_side import SofterSide
 from pipeline.physics.steady_drift import SteadyDrift
@@ -81,7 +82,7 @@ SPRUNG, LATE_DAMPER = ViscousFriction("sprung"), LateDamper()
 LATE = (ForceLag(), ForceLag(SWINGING), FrameLag(OLD))
 WORN, QUEUE = WornPlay(), QueuedFrames()
 LOSSY_SIDES = tuple(Contact(f"{side} {LOSSY}") for side in SIDES)
-ODD = (SingleBump(), YieldingWire(), ActivatedCreep(), *LOSSY_SIDES)
+ODD = (SingleBump(), YieldingWire(), ActivatedCreep(), SmoothDrift(), *LOSSY_SIDES)
 RECURRING = (RecurringSlip("every top"), RecurringSlip("every bottom"))
 SKIPS = tuple(
     LostSteps(f"{times}{place}") for times in ("thrice", "fourfold") for place in ("", *BEHIND)

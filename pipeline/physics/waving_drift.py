@@ -6,8 +6,7 @@ import numpy as np
 
 from pipeline.physics.drift import HOUR_S, Drift, amplitude, duration_s, rate
 from pipeline.physics.motion import Motion
-from pipeline.physics.smooth_drift import SmoothDrift
-from pipeline.physics.term import Parameter, Surroundings, Term
+from pipeline.physics.term import Parameter, Surroundings
 
 WAVE, RISING = "wave", "rising wave"
 SHORTEST, CYCLES = 0.15, 1.5
@@ -25,9 +24,6 @@ class WavingDrift(Drift):
 
     def __init__(self, form: str = WAVE) -> None:
         self.form = form
-
-    def richer(self) -> tuple[Term, ...]:
-        return (*super().richer(), SmoothDrift())
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
         whole = duration_s(around)
