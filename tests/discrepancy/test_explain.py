@@ -23,7 +23,8 @@ from pipeline.discrepancy.search.growth import simpler
 from pipeline.discrepancy.search.moves import merged
 from pipeline.physics.catalogue import term
 from pipeline.physics.mechanism import Piece
-from tests.discrepancy.made import NOISE, explained, posed, recorded
+from pipeline.recording import branch_of
+from tests.discrepancy.made import ANGLE, NOISE, changed, explained, posed, recorded
 
 
 def test_a_rest_that_repeats_is_no_noise_and_a_search_without_shortcuts_explains_it(monkeypatch):
@@ -216,6 +217,25 @@ def test_a_near_rival_is_weighed_in_the_form_that_suits_it():
     assert again[0].fit.key != near.fit.key
     assert again[0].score < late.score
     assert levelled(search, [late, replace(first, score=late.score + 100.0)])[0] is late
+
+
+@pytest.mark.parametrize("period", [3.0, 7.0])
+def test_where_what_is_left_is_no_noise_no_name_is_contested(monkeypatch, period):
+    recording = recorded({}, seed=2)
+    command = recording.values("pitch_command_deg")
+    toothed = 0.8 * np.sign(np.sin(command / period)) * branch_of(command)
+    asked = []
+
+    def told(_, found):
+        asked.append(len(found))
+        return found
+
+    monkeypatch.setattr("pipeline.discrepancy.search.explain.contested", told)
+    found = explained(changed(recording, **{ANGLE: recording.values(ANGLE) + toothed}))
+    assert refuted(found.search, found.choices[0])
+    assert not asked
+    explained(recorded({"backlash": {"width": 4.0}}, seed=2))
+    assert asked
 
 
 def test_one_name_fewer_is_weighed_in_the_forms_that_it_has_without_that():

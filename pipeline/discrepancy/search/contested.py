@@ -54,7 +54,8 @@ def levelled(search: Search, choices: Sequence[Choice]) -> list[Choice]:
     its way: a rival that was left with plainer ones looks worse than its name is, and so does one
     grown beside fewer. It takes over the forms of the names that both have, or the other bend of a
     static curve; its own names are made plain, or grown. What is slow is left as it is: enough
-    slips follow any drift.
+    slips follow any drift. Sets of one name fewer are made plain and grown as a whole: their forms
+    grew beside the name that is gone.
     """
     best, found = choices[0], list(choices)
     near = [c for c in by_names(list(choices)) if c.score < best.score + FAR]

@@ -101,7 +101,8 @@ def searched(problem: Problem) -> Explanation:
     Outliers are judged on the residual of the best explanation, so that a sharp corner is none;
     where that changes them, or what is known of the noise, the choice is made anew, and once more
     where that changes MANY of them: so many had bent the first choice. Where calibration alone
-    leaves no more than the accuracy that was declared, no terms are looked for.
+    leaves no more than the accuracy that was declared, no terms are looked for. Where cycles that
+    repeat say that what the best leaves is no noise, no name is sure, and none is contested.
     """
     prior = learn_noise(problem)
     candidates = excited_terms(problem)

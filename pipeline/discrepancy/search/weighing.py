@@ -1,4 +1,4 @@
-"""The search: choices, each weighed under the noise that suits it, and what they are told by."""
+"""The choices of a search, each weighed under the noise that suits it."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
