@@ -6,14 +6,15 @@ from pipeline.physics.drift import Drift, duration_s
 from pipeline.physics.motion import Motion
 from pipeline.physics.term import Parameter, Surroundings
 
-PARTS = 8
+PARTS, REACH = 8, 0.8
 
 
 class SmoothDrift(Drift):
     """d = sum of size_k (cos(k pi t / until) - 1), k = 1 to PARTS, held from `until` on.
 
-    `until` is the recording's end. No part is quicker than a quarter of that. Source: the cosine
-    series of a smooth function on an interval (Fourier).
+    `until` is the recording's end. No part is quicker than a quarter of that. It is tried where the
+    rows to fit on go on nearly as long: after them nothing holds it. Source: the cosine series of a
+    smooth function on an interval (Fourier).
     """
 
     form = "smooth"
@@ -43,3 +44,7 @@ class SmoothDrift(Drift):
 
     def void(self, values: np.ndarray) -> bool:
         return not np.any(values[:-1])
+
+    def excited(self, motion: Motion, around: Surroundings) -> bool:
+        reaches = float(np.ptp(motion.time_s)) > REACH * duration_s(around)
+        return reaches and super().excited(motion, around)

@@ -30,3 +30,9 @@ def test_its_end_is_the_recordings_and_no_fit_moves_it():
     assert until.low == until.high == until.start == 1000.0
     assert until.weak
     assert SmoothDrift().void(np.append(np.zeros(PARTS), 1000.0))
+
+
+def test_it_is_tried_where_the_rows_to_fit_on_go_on_nearly_to_the_end():
+    for share, tried in ((0.67, False), (0.85, True), (1.0, True)):
+        fitted = MOTION.rows(LATER - AROUND.start_s <= share * 1000.0)
+        assert SmoothDrift().excited(fitted, AROUND) == tried
