@@ -64,9 +64,8 @@ class Creep(ArrivingLate):
         return (Creep(WHOLE[self.form]),) if self.form in WHOLE else ()
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
-        dwell = max(around.dwell_s, 1e-9)
-        longest = max(around.end_s - around.start_s, 10.0 * dwell)
-        own: tuple[Parameter, ...] = share_and_time(around)
+        share, late = share_and_time(around)
+        own: tuple[Parameter, ...] = (share, late)
         if self.before_curve:
             span, unit = around.drive_span, around.drive_unit
             own = (
@@ -81,7 +80,7 @@ class Creep(ArrivingLate):
         return (
             *own,
             Parameter("share_2", "", 0.0, 0.8, 0.02, 0.1),
-            Parameter("time_constant_2", "s", 0.2 * dwell, 3 * longest, 80.0 * dwell, 0.0),
+            Parameter("time_constant_2", "s", late.low, 3 * late.high, 16.0 * late.start, 0.0),
         )
 
     def load(self, values: np.ndarray, motion: Motion, state: np.ndarray | None) -> Load:

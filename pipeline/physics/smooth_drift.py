@@ -5,6 +5,7 @@ import numpy as np
 from pipeline.physics.drift import Drift, duration_s
 from pipeline.physics.motion import Motion
 from pipeline.physics.term import Parameter, Surroundings
+from pipeline.physics.waving_drift import shortest_s
 
 PARTS, REACH = 8, 0.8
 
@@ -12,9 +13,9 @@ PARTS, REACH = 8, 0.8
 class SmoothDrift(Drift):
     """d = sum of size_k (cos(k pi t / until) - 1), k = 1 to PARTS, held from `until` on.
 
-    `until` is the recording's end. No part is quicker than a quarter of that. It is tried where the
-    rows to fit on go on nearly as long: after them nothing holds it. Source: the cosine series of a
-    smooth function on an interval (Fourier).
+    `until` is the recording's end. It is tried where the quickest part is as slow as a wave may be,
+    and the rows to fit on go on nearly to the end: after them nothing holds it. Source: the cosine
+    series of a smooth function on an interval (Fourier).
     """
 
     form = "smooth"
@@ -46,5 +47,7 @@ class SmoothDrift(Drift):
         return not np.any(values[:-1])
 
     def excited(self, motion: Motion, around: Surroundings) -> bool:
-        reaches = float(np.ptp(motion.time_s)) > REACH * duration_s(around)
-        return reaches and super().excited(motion, around)
+        whole_s = duration_s(around)
+        slow = 2.0 * whole_s / PARTS >= shortest_s(around)
+        reaches = float(np.ptp(motion.time_s)) > REACH * whole_s
+        return slow and reaches and super().excited(motion, around)

@@ -1,5 +1,7 @@
 """A zero that wanders smoothly: what it can follow, and where it stays."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from pipeline.physics.motion import Motion
@@ -36,3 +38,8 @@ def test_it_is_tried_where_the_rows_to_fit_on_go_on_nearly_to_the_end():
     for share, tried in ((0.67, False), (0.85, True), (1.0, True)):
         fitted = MOTION.rows(LATER - AROUND.start_s <= share * 1000.0)
         assert SmoothDrift().excited(fitted, AROUND) == tried
+
+
+def test_it_is_tried_where_its_quickest_part_outlasts_a_cycle_as_a_wave_has_to():
+    assert SmoothDrift().excited(MOTION, replace(AROUND, cycles=6))
+    assert not SmoothDrift().excited(MOTION, replace(AROUND, cycles=5))
