@@ -29,6 +29,7 @@ from pipeline.physics.held import STEP_AND_WAIT_S
 from pipeline.physics.inertia import Inertia
 from pipeline.physics.late_damper import LateDamper
 from pipeline.physics.lens_distortion import LensDistortion
+from pipeline.physics.long_ripple import LongRipple
 from pipeline.physics.lost_steps import BEHIND, LostSteps
 from pipeline.physics.marker_outliers import MarkerOutliers
 from pipeline.physics.motion import Motion
@@ -38,6 +39,7 @@ from pipeline.physics.queued_frames import QueuedFrames
 from pipeline.physics.recurring_slip import RecurringSlip
 from pipeline.physics.response_lag import ResponseLag
 from pipeline.physics.rubbing_wire import RUBBING
+from pipeline.physics.sagging_creep import RUNNING, SAGGING, SaggingCreep
 from pipeline.physics.second_order_lag import swinging_as
 from pipeline.physics.settling_drift import SettlingDrift
 from pipeline.physics.sheath_force import SheathForce
@@ -82,7 +84,11 @@ SPRUNG, LATE_DAMPER = ViscousFriction("sprung"), LateDamper()
 LATE = (ForceLag(), ForceLag(SWINGING), FrameLag(OLD))
 WORN, QUEUE = WornPlay(), QueuedFrames()
 LOSSY_SIDES = tuple(Contact(f"{side} {LOSSY}") for side in SIDES)
-ODD = (SingleBump(), YieldingWire(), ActivatedCreep(), SmoothDrift(), *LOSSY_SIDES)
+SAGS = (SaggingCreep(SAGGING), SaggingCreep(RUNNING))
+ODD = (
+    SingleBump(), LongRipple(), YieldingWire(), ActivatedCreep(), *SAGS, SmoothDrift(),
+    *LOSSY_SIDES,
+)  # fmt: skip
 RECURRING = (RecurringSlip("every top"), RecurringSlip("every bottom"))
 SKIPS = tuple(
     LostSteps(f"{times}{place}") for times in ("thrice", "fourfold") for place in ("", *BEHIND)

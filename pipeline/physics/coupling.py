@@ -13,17 +13,24 @@ from pipeline.physics.term import HELD, NO_STATE, Parameter, Surroundings, Term
 
 DIRECT, LEVER, RATE, TORQUE = "/direct", "/lever", "/rate", "/torque"
 PLAY, LATE = "/play", "/late"
+PLAYING, LAGGING = f"{PLAY}{DIRECT}", f"{LATE}{DIRECT}"
 WAYS: Mapping[str, Way] = {
-    f"{PLAY}{DIRECT}": Dragging(),
-    f"{LATE}{DIRECT}": Late(),
+    PLAYING: Dragging(),
+    LAGGING: Late(),
     PLAY: Dragging(),
     LATE: Late(),
     LEVER: Lever(),
     RATE: Rate(),
 }
 NO_LOAD, BESIDES = (DIRECT, LEVER), (LEVER, RATE)
-DRAGGING = (PLAY, LATE)
-GROWN = (*DRAGGING, DIRECT, TORQUE)
+GROWN: Mapping[str, tuple[str, ...]] = {
+    "": (PLAY, LATE, DIRECT, TORQUE),
+    PLAY: (LATE, PLAYING),
+    LATE: (PLAY, LAGGING),
+    DIRECT: (PLAYING, LAGGING),
+    PLAYING: (LAGGING,),
+    LAGGING: (PLAYING,),
+}
 OFFERED = ("", DIRECT, LEVER, RATE)
 SIZES = 2
 
@@ -80,10 +87,8 @@ class Coupling(Term):
         return (Coupling(f"{self.form}{DIRECT}"),) if self.form == self.channel else ()
 
     def richer(self) -> tuple[Term, ...]:
-        plain, how = self.form == self.channel, self.form.removeprefix(self.channel)
-        others = GROWN if plain else [o for o in DRAGGING if how in DRAGGING and o != how]
-        turning = [f"{o}{DIRECT}" for o in DRAGGING if how in (o, DIRECT)]
-        return tuple(Coupling(f"{self.channel}{other}") for other in (*others, *turning))
+        how = self.form.removeprefix(self.channel)
+        return tuple(Coupling(f"{self.channel}{other}") for other in GROWN.get(how, ()))
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
         scale = scale_of(self.channel, around)

@@ -7,15 +7,28 @@ from pipeline.physics.motion import Motion
 from pipeline.physics.term import Parameter, Surroundings
 from pipeline.physics.waving_drift import shortest_s
 
-PARTS, REACH = 8, 0.8
+WAVES, REACH, FINELY = 6, 0.8, 1001
+PARTS = 2 + WAVES
+
+
+def series(share: np.ndarray) -> np.ndarray:
+    """1, s, s^2 and cos(k pi s), k = 1 to WAVES, of shares s of a recording, (n, 1 + PARTS)."""
+    waves = np.cos(np.pi * np.outer(share, np.arange(1, WAVES + 1)))
+    return np.column_stack([share**0, share, share**2, waves])
+
+
+ALONE = np.linalg.inv(np.linalg.qr(series(np.linspace(0.0, 1.0, FINELY)), mode="r"))
+"""What makes the series' columns orthogonal, their mean squares 1 / FINELY (Gram-Schmidt)."""
 
 
 class SmoothDrift(Drift):
-    """d = sum of size_k (cos(k pi t / until) - 1), k = 1 to PARTS, held from `until` on.
+    """d = sum of size_k (b_k(s) - b_k(0)), s = t / until, k = 1 to PARTS; held from `until` on.
 
-    `until` is the recording's end. It is tried where the quickest part is as slow as a wave may be,
-    and the rows to fit on go on nearly to the end: after them nothing holds it. Source: the cosine
-    series of a smooth function on an interval (Fourier).
+    The b_k are `series` made orthogonal over the recording, which ends at `until`; each size is an
+    rms. It is tried where the quickest wave is as slow as a drift's may be, and the rows to fit on
+    go on nearly to the end: after them nothing holds it. Source: the cosine series of a smooth
+    function on an interval (Fourier), with a parabola for its slopes at the ends, which that alone
+    follows slowly (Lanczos, Discourse on Fourier Series (1966)).
     """
 
     form = "smooth"
@@ -36,9 +49,9 @@ class SmoothDrift(Drift):
         self, signal: np.ndarray, motion: Motion, values: np.ndarray, state: np.ndarray | None
     ) -> tuple[np.ndarray, np.ndarray]:
         first = motion.time_s[:1] if state is None else state
-        t = np.clip((motion.time_s - first[0]) / values[-1], 0.0, 1.0)
-        parts = np.cos(np.pi * np.outer(t, np.arange(1, PARTS + 1))) - 1.0
-        return signal + parts @ values[:-1], first
+        share = np.clip((motion.time_s - first[0]) / values[-1], 0.0, 1.0)
+        sizes = np.sqrt(FINELY) * ALONE[:, 1:] @ values[:-1]
+        return signal + (series(share) - series(np.zeros(1))) @ sizes, first
 
     def scaled(self, values: np.ndarray, factor: float) -> np.ndarray:
         return np.append(values[:-1] * factor, values[-1])
@@ -48,6 +61,6 @@ class SmoothDrift(Drift):
 
     def excited(self, motion: Motion, around: Surroundings) -> bool:
         whole_s = duration_s(around)
-        slow = 2.0 * whole_s / PARTS >= shortest_s(around)
+        slow = 2.0 * whole_s / WAVES >= shortest_s(around)
         reaches = float(np.ptp(motion.time_s)) > REACH * whole_s
         return slow and reaches and super().excited(motion, around)

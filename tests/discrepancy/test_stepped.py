@@ -95,3 +95,15 @@ def test_where_the_zero_rests_no_slips_are_looked_for(found):
     calm = found.choices[0]
     assert calm.place[2] == 0
     assert stepped(found.search, calm) is calm
+
+
+def test_a_wire_that_skips_on_its_eccentric_pulley_now_and_then_is_told_so():
+    wheel = {"amplitude": 4.0, "period": 60.0, "phase": 1.0}
+    skips = {"jump": 1.5, "time": 500.0, "jump_2": -1.5, "time_2": 700.0}
+    skips |= {"jump_3": -1.5, "time_3": 1900.0}
+    hidden = {"transmission_ripple": wheel, "lost_steps/thrice behind ripple": skips}
+    best = explained(recorded(hidden, cycles=9)).choices[0]
+    assert names(best) == {"transmission_ripple", "lost_steps"}
+    slips = next(p for p in best.fit.pieces if p.term.name == "lost_steps")
+    assert slips.term.form == "thrice behind ripple"
+    np.testing.assert_allclose(slips.values, list(skips.values()), rtol=0.15)

@@ -110,3 +110,10 @@ def test_two_axes_that_drag_each_remember_their_own_way():
     first, state = mechanism.respond(whole.rows(slice(0, 90)))
     rest = mechanism.respond(whole.rows(slice(90, 200)), state)[0]
     np.testing.assert_allclose(np.concatenate([first, rest]), mechanism.respond(whole)[0])
+
+
+@pytest.mark.parametrize("place", ["", "/direct"])
+def test_each_way_to_drag_leads_to_the_other_one_at_the_same_place(place):
+    for way, other in (("play", "late"), ("late", "play")):
+        richer = {t.form for t in Coupling(f"{YAW}/{way}{place}").richer()}
+        assert f"{YAW}/{other}{place}" in richer

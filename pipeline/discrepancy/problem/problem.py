@@ -12,6 +12,7 @@ from pipeline.discrepancy.problem.fitted import LOOSE_GAIN, tolerance_of_fit
 from pipeline.discrepancy.problem.holes import unsettled_rows
 from pipeline.discrepancy.problem.jumping import between_branches
 from pipeline.discrepancy.problem.line import line_in_a_command, own_commands
+from pipeline.discrepancy.problem.own_dynamics import beside_curve
 from pipeline.discrepancy.problem.rough import unroughened
 from pipeline.discrepancy.problem.rows import Averaged, Picked
 from pipeline.discrepancy.problem.spacing import spacing_of
@@ -154,6 +155,8 @@ def pose_problem(
         motion, curve, drive, static = driven_by(recording, measurement, simulated)
     counted = rough = 0.0
     if static:
+        own = beside_curve(motion.drive, curve, simulated, measured)
+        measured, simulated = measured - own, simulated - own
         seen = np.where(train, measured, np.nan)
         motion, curve, counted = uncounted(motion, curve, seen, simulated)
         if counted == 0.0:

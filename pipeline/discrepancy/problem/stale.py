@@ -44,7 +44,8 @@ def stale_samples(measured: np.ndarray, simulated: np.ndarray) -> StaleSamples:
     count, share = int(np.sum(same & moving)), float(np.mean(same[moving])) if moving.any() else 0.0
     if count < FEWEST or not FEWEST_SHARE < share < 1.0:
         return none
-    near = np.abs(change) < 1.5 * quantum_of(levels_of(measured))
+    least = float(np.abs(change[~same]).min())
+    near = np.abs(change) < 1.5 * max(quantum_of(levels_of(measured)), least)
     by_one = int(np.sum(near & ~same & moving))
     if count < BY_CHANCE * by_one or by_one > MOSTLY * np.sum(~same & moving):
         return none

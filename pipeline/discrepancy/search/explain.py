@@ -127,10 +127,11 @@ def searched(problem: Problem) -> Explanation:
         last, found = found, mistaken_rows(problem, choices[0], prior)
         if np.sum(found != last) > MANY * len(found):
             search, used, choices = chosen_anew(search, prior, settled & ~found, choices)
-    told = pressed(search, sprung(search, oddly(search, alone(search, polished(search, choices)))))
-    choices = searched_wide(search, choices, swinging(search, told))
-    if not (refuted(search, choices[0]) or misfits(search, choices[0])):
-        choices = contested(search, levelled(search, choices))
+    told = pressed(search, sprung(search, alone(search, polished(search, choices))))
+    usual_ones = unless_misfit(search, searched_wide(search, choices, swinging(search, told)))
+    choices = oddly(search, usual_ones)
+    if choices[0].score < usual_ones[0].score:
+        choices = unless_misfit(search, choices)
     choices = grown_last(search, best_of_each([*choices, *search.seen.values()]))
     if prior.repeats == 0 and problem.derivatives is None:
         search, choices = judged(search, choices)
@@ -140,6 +141,13 @@ def searched(problem: Problem) -> Explanation:
     choices = with_plain(search, choices)
     outliers = mistaken_rows(problem, choices[0], prior)
     return Explanation(problem, prior, search, choices, outliers, used)
+
+
+def unless_misfit(search: Search, choices: list[Choice]) -> list[Choice]:
+    """The choices, levelled and contested; as they are where what the best leaves is no noise."""
+    if refuted(search, choices[0]) or misfits(search, choices[0]):
+        return choices
+    return contested(search, levelled(search, choices))
 
 
 def chosen_anew(

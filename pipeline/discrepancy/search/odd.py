@@ -1,5 +1,6 @@
 """What is seldom, or no name of the catalogue, in place of what mops it up."""
 
+from dataclasses import replace
 from itertools import combinations
 
 from pipeline.discrepancy.fitting.fit import ITERATIONS, evaluate, improve
@@ -22,10 +23,11 @@ STEPS, NEAR, FIRM, MOST_KEPT = 4, 40.0, 100.0, 2
 def oddly(search: Search, choices: list[Choice]) -> list[Choice]:
     """The choices (best first), and those with one of ODD in place of a piece, or of all but two.
 
-    A search takes other names for what these explain, two or three for
-    each, and no step leads from there. It does not begin with them: each comes near what a usual
-    term does, and would hide that.
+    A search takes other names for what these explain, two or three for each, and no step leads from
+    there. It does not begin with them: each comes near what a usual term does, and would hide that.
+    Nor does it remember those that may only mop up.
     """
+    search = replace(search, seen={})
     best, ground = choices[0], choices[0].fit.ground
     motion, around = ground.problem.motion, ground.problem.around
     shown = tuple(t for t in ODD if t.excited(motion, around))

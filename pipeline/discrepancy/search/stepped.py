@@ -6,6 +6,7 @@ import numpy as np
 
 from pipeline.discrepancy.fitting.fit import Fit, evaluate, improve
 from pipeline.discrepancy.fitting.moments import settle_moments
+from pipeline.discrepancy.search.elsewhere import differing
 from pipeline.discrepancy.search.weighing import FAINT, MOST_TERMS, Choice, Search
 from pipeline.physics.catalogue import RECURRING
 from pipeline.physics.lost_steps import LostSteps
@@ -33,7 +34,11 @@ def stepped(search: Search, choice: Choice) -> Choice:
     motion, around = still.ground.problem.motion, still.ground.problem.around
     count = still.ground.count
     few = [slip for slip in SLIPS if count >= SHORTEST * (slip.times + 1)]
-    slips = [Piece(slip, steps(still, slip.times)) for slip in few]
+    slips = [
+        Piece(term, steps(still, slip.times))
+        for slip in few
+        for term in (slip, *differing(slip.elsewhere(), still))
+    ]
     slips += [Piece(t, v) for t in RECURRING for v in t.candidates(motion, around)]
     trials = [improve(evaluate(still.ground, [*still.pieces, s]), BEGUN) for s in slips]
     best = {t.key: t for t in sorted(trials, key=lambda t: -t.cost)}.values()

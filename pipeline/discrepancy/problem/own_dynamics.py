@@ -1,0 +1,56 @@
+"""What a simulation does beside its static curve, where the measurement does it as well."""
+
+import numpy as np
+
+from pipeline.discrepancy.problem.counts import quantum_of
+from pipeline.discrepancy.problem.outliers import robust_deviation
+from pipeline.discrepancy.problem.rough import THIRD, noise_of_motion
+from pipeline.physics.kinematics import Curve
+
+FEWEST, SEEN, OWN = 30, 0.05, 0.3
+FOLLOWS, SURELY, NEARLY, SURE = 0.5, 2.0, 0.2, 0.07
+
+
+def beside_curve(
+    drive: np.ndarray, curve: Curve, simulated: np.ndarray, measured: np.ndarray
+) -> np.ndarray:
+    """What a simulation has beside a static curve of its drive, (n,) each; 0 where that is nothing.
+
+    That a servo or a spring comes a little late, a simulation may know, too: then it is no
+    mismatch. It is nothing where it is not SEEN beside the measurement's noise, where it is the
+    drive's own counts or noise, or where the measurement does not surely go along with it.
+    """
+    nothing = np.zeros(len(drive))
+    known = np.isfinite(simulated) & np.isfinite(measured)
+    if known.sum() < FEWEST:
+        return nothing
+    asked = curve(drive)
+    left = np.where(np.isfinite(simulated), simulated - asked, 0.0)
+    size = float(np.std(left[known]))
+    noise = robust_deviation(np.diff(measured[known], 3)) / THIRD
+    rough = abs(curve.slope) * max(quantum_of(drive), noise_of_motion(drive))
+    seen = size > SEEN * noise and rough < OWN * size
+    return left if seen and goes_along(left[known], asked[known], measured[known]) else nothing
+
+
+def goes_along(left: np.ndarray, asked: np.ndarray, measured: np.ndarray) -> bool:
+    """Whether a measurement surely does what is left of a simulation beside its curve, (n,) each.
+
+    In second differences, which leave next to nothing of slow physics, or beside a cubic.
+    """
+    line = np.polyval(np.polyfit(asked, measured, 1), asked)
+    share, error = share_of(np.diff(left, 2)[:, None], np.diff(measured - line, 2))
+    if share - SURELY * error > FOLLOWS:
+        return True
+    way = (asked - asked.mean()) / max(float(np.ptp(asked)), 1e-300)
+    share, error = share_of(np.column_stack([left, np.vander(way, 4)]), measured)
+    return abs(share - 1.0) < NEARLY and error < SURE
+
+
+def share_of(columns: np.ndarray, values: np.ndarray) -> tuple[float, float]:
+    """The factor of the first of columns (n, k) in a fit to values (n,), and its error."""
+    factors, _, rank, _ = np.linalg.lstsq(columns, values, rcond=None)
+    if rank < columns.shape[1]:
+        return 0.0, np.inf
+    off = float(np.std(values - columns @ factors))
+    return float(factors[0]), off * float(np.sqrt(np.linalg.inv(columns.T @ columns)[0, 0]))
