@@ -8,7 +8,7 @@ import pytest
 
 from pipeline.discrepancy.fitting.fit import evaluate
 from pipeline.discrepancy.fitting.ground import ground_of
-from pipeline.discrepancy.judgement.mistaken import after_some_steps, share_and_size
+from pipeline.discrepancy.judgement.mistaken import after_some, share_and_size
 from pipeline.discrepancy.noise.noise import NoiseModel
 from pipeline.discrepancy.problem.outliers import bursts, isolated, longest_burst
 from pipeline.discrepancy.search.counted import between_slips
@@ -106,7 +106,8 @@ def test_what_stands_off_after_some_steps_only_was_not_mistaken(ringing: bool) -
     problem = posed(recording)
     ground = ground_of(problem, NoiseModel(NOISE), problem.train & (off == 0.0))
     explanation = replace(explanation_of([chosen(ground, 0.0)]), outliers=off > 0.0)
-    assert after_some_steps(explanation) == ringing
+    steps = np.abs(np.diff(explanation.problem.motion.drive))
+    assert after_some(steps, explanation) == ringing
 
 
 def test_two_that_follow_each_other_are_found_whole_to_whichever_sides() -> None:

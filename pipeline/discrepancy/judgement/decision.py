@@ -8,7 +8,12 @@ from pipeline.discrepancy.fitting.charge import absurd_calibration
 from pipeline.discrepancy.judgement.form import one_for_many
 from pipeline.discrepancy.judgement.proof import counted_errors, disproved, strained
 from pipeline.discrepancy.judgement.rivals import mechanism_of
-from pipeline.discrepancy.judgement.structure import Structure, share_left, structure_of
+from pipeline.discrepancy.judgement.structure import (
+    Structure,
+    mismatch_variance,
+    share_left,
+    structure_of,
+)
 from pipeline.discrepancy.judgement.verdict import (
     fewer,
     follows,
@@ -84,7 +89,8 @@ def without_repeats(
         structure = disproved(problem, explanation, best, predicted_by(problem, best), structure)
         if structure.wandering is not None:
             structure = told_but_for_its_form(explanation, best, structure)
-    kept = foretold_part(explanation.choices, best) if structure.found else best
+    rest = structure.share * mismatch_variance(explanation)
+    kept = foretold_part(explanation.choices, best, rest) if structure.found else best
     return kept, structure
 
 

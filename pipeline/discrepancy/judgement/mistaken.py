@@ -6,6 +6,7 @@ import numpy as np
 
 from pipeline.discrepancy.judgement.cycle_zero import about_each_zero
 from pipeline.discrepancy.judgement.loudness import loudness
+from pipeline.discrepancy.judgement.slipping import slipping
 from pipeline.discrepancy.model.intervals import undated
 from pipeline.discrepancy.model.result import Estimate, Evidence, NamedPhysics, root_mean
 from pipeline.discrepancy.problem.late import LateFrames
@@ -34,14 +35,19 @@ def mistaken_frames(
     """Frames that are mistaken, or stale where no name taken says so; None where too few are.
 
     unexplained: whether a structured rest is left: of that a few samples stand off as well, but by
-    less than FAR times the noise, or after steps of other lengths than the rest.
+    less than FAR times the noise, or after steps of other lengths than the rest. None either where
+    they come after waits of other lengths: then they show what was still on its way.
     """
     found = share_and_size(explanation)
     if found is None:
         return None
     noise = explanation.choices[0].fit.ground.noise.deviation
     few = alone(incredible(explanation)) < FEWEST
-    if unexplained and (few or found[1].value < FAR * noise or after_some_steps(explanation)):
+    motion = explanation.problem.motion
+    steps, waits = np.abs(np.diff(motion.drive)), np.diff(motion.time_s)
+    if unexplained and (few or found[1].value < FAR * noise or after_some(steps, explanation)):
+        return None
+    if after_some(waits, explanation):
         return None
     name = "frame_lag" if stale(explanation) else "marker_outliers"
     if name in taken:
@@ -147,12 +153,13 @@ def late_by(explanation: Explanation) -> LateFrames:
 def incredible(explanation: Explanation) -> np.ndarray:
     """Training rows (n,) that are off by more than the noise at their angle makes credible.
 
-    Those of a slip and those of an earlier pose are none.
+    Those while a shaft slips and those of an earlier pose are none.
     """
     problem, fit = explanation.problem, explanation.choices[0].fit
     rows = problem.train & explanation.outliers & ~undated(fit, problem.motion.time_s)
     rows &= ~late_by(explanation).aside
     off = errors_of(explanation)
+    rows &= ~slipping(problem, explanation.choices[0], off)
     usual = fit.ground.noise.deviation * loudness(off, fit.predicted, problem.train)
     return np.asarray(rows & (np.abs(off) > INCREDIBLE * usual))
 
@@ -166,17 +173,17 @@ def errors_of(explanation: Explanation) -> np.ndarray:
     return about_each_zero(off, problem.cycle, explanation.used & np.isfinite(off))
 
 
-def after_some_steps(explanation: Explanation) -> bool:
-    """Whether such rows come after steps of other lengths than the rest (Kolmogorov-Smirnov).
+def after_some(lengths: np.ndarray, explanation: Explanation) -> bool:
+    """Whether such rows come after steps or waits of other lengths (n - 1,) than the rest.
 
-    A camera mistakes a marker whatever step came before; a joint that still rings does not.
+    A camera mistakes a marker whatever came before; a joint that still rings does not, nor one
+    that an old frame shows on its way (Kolmogorov-Smirnov).
     """
     from scipy.stats import ks_2samp  # 0.3 s: only mistaken frames wait for it
 
-    problem, rows = explanation.problem, incredible(explanation)
-    drive = problem.motion.drive
-    steps = np.abs(np.diff(drive, prepend=drive[:1]))
-    return bool(ks_2samp(steps[rows], steps[problem.train & ~rows]).pvalue < BY_CHANCE)
+    rows = incredible(explanation)
+    rest = explanation.problem.train & ~rows
+    return bool(ks_2samp(lengths[rows[1:]], lengths[rest[1:]]).pvalue < BY_CHANCE)
 
 
 def stale(explanation: Explanation) -> bool:

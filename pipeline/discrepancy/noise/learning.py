@@ -1,14 +1,16 @@
 """The noise of a recording, learnt from repeated cycles before any physics."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 from scipy.optimize import minimize
+from scipy.special import chdtrc
 
 from pipeline.discrepancy.noise.force_noise import noise_of_force
 from pipeline.discrepancy.noise.noise import NoiseModel, whitened
+from pipeline.discrepancy.noise.other_axes import contrasted, ways_of_others, without_ways
 from pipeline.discrepancy.problem.counts import quantum_of
 from pipeline.discrepancy.problem.outliers import isolated, robust_deviation
 from pipeline.discrepancy.problem.problem import Problem
@@ -21,6 +23,7 @@ FINEST = 1e-6
 FEWEST_STEPS = 12
 BESIDE, BROKEN = 6, 6.0
 SURE, UNSURE = 0.08, 0.3
+MOVED = 1e-3
 
 
 @dataclass(frozen=True)
@@ -77,6 +80,7 @@ def learn_noise(problem: Problem, expected: np.ndarray | None = None) -> NoisePr
     A contrast is a sum over repeats whose weights cancel what repeats and what grows linearly
     from repeat to repeat, so that physics of either kind is no noise. Of a force against motion,
     what no flexible law of force leaves out (`force_noise.py`).
+    Cycles in which other axes go elsewhere repeat each other where these surely move nothing.
     expected: (n,) what the measurement would be without noise; the simulation, if not told.
     """
     if problem.motion.kinetics is not None:
@@ -84,8 +88,11 @@ def learn_noise(problem: Problem, expected: np.ndarray | None = None) -> NoisePr
         return NoisePrior(model, 0, UNSURE, (), FINEST * problem.around.angle_span)
     expected = problem.simulated if expected is None else expected
     residual = np.where(problem.train, problem.measured - expected, np.nan)
-    groups = repeated_cycles(problem)
     finest = max(FINEST * problem.around.angle_span, quantum_of(problem.measured) / np.sqrt(12.0))
+    groups = repeated_cycles(problem)
+    if not groups and problem.motion.others:
+        own = repeated_cycles(problem, alone=True)
+        groups = [] if moved_by_others(problem.motion, residual, own, finest) else own
     found = [
         (s, stands_in(problem.motion, r)) for r in groups for s in contrasts(residual, r, finest)
     ]
@@ -96,6 +103,37 @@ def learn_noise(problem: Problem, expected: np.ndarray | None = None) -> NoisePr
         return NoisePrior(model, repeats, SURE, series, finest, stands, tuple(groups))
     rough = (rough_part(residual, problem),)
     return NoisePrior(fit_noise(rough, finest), 0, UNSURE, (), finest)
+
+
+def moved_by_others(
+    motion: Motion, residual: np.ndarray, groups: Sequence[np.ndarray], finest: float
+) -> bool:
+    """Whether other axes may move what repeats by the joint's own command (`repeated_cycles`).
+
+    Not where what they do in proportion, by its square, beside the joint's own command or by its
+    pace makes contrasts of the residual (n,) no likelier than chance would (likelihood ratio).
+    """
+    ways = ways_of_others(motion)
+    found = []
+    for rows in groups:
+        values = unmistaken(np.where(rows >= 0, residual[rows], np.nan), finest)
+        found += contrasted(values, rows, ways)
+    if not found:
+        return True
+    likely = [
+        fitted_likelihood(series, finest)
+        for series in ([s[:, 0] for s in found], without_ways(found))
+    ]
+    gain = 2.0 * (likely[1] - likely[0])
+    return bool(chdtrc(ways.shape[1], max(gain, 0.0)) < MOVED)
+
+
+def fitted_likelihood(series: Sequence[np.ndarray], finest: float) -> float:
+    """Log likelihood of zero-mean series under the likeliest noise, up to a constant."""
+    model = replace(fit_noise(series, finest), jitter=FREE_LEVEL)
+    joined, number, used, _ = _joined(series)
+    still = np.zeros(len(joined), dtype=bool)
+    return model.log_likelihood(np.where(used, joined, 0.0), number, used, still)
 
 
 def contrasts(residual: np.ndarray, rows: np.ndarray, finest: float) -> list[np.ndarray]:

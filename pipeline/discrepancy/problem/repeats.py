@@ -8,26 +8,27 @@ from pipeline.discrepancy.problem.problem import Problem
 SAME_COMMAND, REACH, ENOUGH_IN_COMMON = 1e-3, 6, 0.8
 
 
-def repeated_cycles(problem: Problem) -> list[np.ndarray]:
+def repeated_cycles(problem: Problem, alone: bool = False) -> list[np.ndarray]:
     """Groups of training cycles with the same commands, each as row numbers (repeats, steps).
 
-    Rows that a cycle lacks are -1, and so are the rows up to a cycle's first reversal where the
-    cycle before was another motion or none: there the mechanism still remembers that.
+    alone: whether only the joint's own command has to be the same. Rows that a cycle lacks are -1,
+    and so are the rows up to a cycle's first reversal where the cycle before was another motion or
+    none: there the mechanism still remembers that.
     """
-    rows_of, (signals, dwell) = rows_of_cycles(problem), driven(problem)
+    rows_of, (signals, dwell) = rows_of_cycles(problem), driven(problem, alone)
     return [
         np.array([
             _without_memory(rows, group[0], rows_of.get(int(problem.cycle[rows.max()]) - 1),
                             signals, dwell)
             for rows in group
         ])
-        for group in same_motions(problem)
+        for group in same_motions(problem, alone)
     ]  # fmt: skip
 
 
-def same_motions(problem: Problem) -> list[np.ndarray]:
+def same_motions(problem: Problem, alone: bool = False) -> list[np.ndarray]:
     """The same with all rows that the cycles have in common, those before a first reversal too."""
-    signals, dwell = driven(problem)
+    signals, dwell = driven(problem, alone)
     groups: list[list[np.ndarray]] = []
     for rows in rows_of_cycles(problem).values():
         if not problem.train[rows].any():
@@ -47,10 +48,14 @@ def rows_of_cycles(problem: Problem) -> dict[int, np.ndarray]:
     return {int(c): np.flatnonzero(problem.cycle == c) for c in np.unique(problem.cycle)}
 
 
-def driven(problem: Problem) -> tuple[np.ndarray, np.ndarray]:
-    """All commands over their ranges, (n, k), and the time before each row [s], (n,)."""
+def driven(problem: Problem, alone: bool) -> tuple[np.ndarray, np.ndarray]:
+    """All commands over their ranges, (n, k), and the time before each row [s], (n,).
+
+    alone: the joint's own command alone.
+    """
     motion = problem.motion
-    signals = np.column_stack([motion.drive, *motion.others.values()])
+    others = [] if alone else motion.others.values()
+    signals = np.column_stack([motion.drive, *others])
     signals /= np.maximum(np.ptp(signals, axis=0), 1e-12)
     return signals, np.diff(motion.time_s, prepend=motion.time_s[0])
 

@@ -15,7 +15,8 @@ from pipeline.physics.mechanism import Piece
 CUTS = (0.55, 0.75)
 AHEAD = 0.25
 NEAR, MOST = 25.0, 8
-NEEDED, ENOUGH = 0.1, 0.7
+NEEDED, ENOUGH, FAR_MORE = 0.1, 0.7, 25.0
+ONE_SLIP = 2  # parameters: its jump and its time
 FEWEST_ROWS = 20
 
 
@@ -77,29 +78,45 @@ def least_errors(choices: Sequence[Choice], errors: np.ndarray) -> np.ndarray:
     return np.array(least)
 
 
-def foretold_part(choices: Sequence[Choice], choice: Choice) -> Choice:
+def foretold_part(choices: Sequence[Choice], choice: Choice, rest: float) -> Choice:
     """What of a choice that leaves a structured rest later training rows bear out.
 
-    Slips go at once: beside a rest that is not understood, a zero that jumps follows just that. A
-    name stays whose absence would raise the mean square error ahead by a tenth of the least so far;
-    the rest is refitted. All go where what stays takes away less than seven tenths of what
-    calibration alone leaves.
+    Slips go at once: beside a rest that is not understood, a zero that jumps follows just that. But
+    one that explains far more than the rest (its mean square) is a slip, and no row ahead is asked
+    for it. A name stays whose absence would raise the mean square error ahead by a tenth of the
+    least so far; the rest is refitted. All go where what stays takes away less than seven tenths of
+    what calibration alone leaves.
     """
     base = next(c for c in choices if not c.fit.pieces)
     parts = parts_of(choice.fit.ground)
-    if LostSteps.name in choice.fit.names:
+    sure = sure_slips(choice, rest)
+    if LostSteps.name in choice.fit.names and not sure:
         choice = _without(choice, LostSteps.name)
-    left = error_ahead(choice, parts) ** 2
-    while choice.fit.pieces:
-        trials = [_without(choice, name) for name in dict.fromkeys(choice.fit.names)]
-        errors = [error_ahead(t, parts) ** 2 for t in trials]
+    left = error_ahead(choice, parts, sure) ** 2
+    while others := [n for n in dict.fromkeys(choice.fit.names) if not sure or n != LostSteps.name]:
+        trials = [_without(choice, name) for name in others]
+        errors = [error_ahead(t, parts, sure) ** 2 for t in trials]
         k = int(np.argmin(errors))
         if errors[k] > (1.0 + NEEDED) * left:
             break
         choice, left = trials[k], min(left, errors[k])
-    whole = error_ahead(base, parts) ** 2
-    enough = error_ahead(choice, parts) ** 2 < (1.0 - ENOUGH) * whole
-    return choice if choice.fit.pieces and enough else base
+    alone = replace(base, fit=evaluate(choice.fit.ground, sure)) if sure else base
+    whole = error_ahead(alone, parts, sure) ** 2
+    enough = error_ahead(choice, parts, sure) ** 2 < (1.0 - ENOUGH) * whole
+    return choice if len(choice.fit.pieces) > len(sure) and enough else base
+
+
+def sure_slips(choice: Choice, rest: float) -> list[Piece]:
+    """The one slip of a choice, if it explains FAR_MORE of the mean square than a rest is."""
+    slips = [p for p in choice.fit.pieces if isinstance(p.term, LostSteps)]
+    if sum(len(p.values) for p in slips) != ONE_SLIP:
+        return []
+    fits = choice.fit, improve(evaluate(choice.fit.ground, choice.fit.without(*slips)))
+    ground = choice.fit.ground
+    left, without = (
+        float(np.mean((ground.problem.measured - f.predicted)[ground.used] ** 2)) for f in fits
+    )
+    return slips if without - left > FAR_MORE * rest else []
 
 
 def _without(choice: Choice, name: str) -> Choice:
@@ -107,16 +124,23 @@ def _without(choice: Choice, name: str) -> Choice:
     return replace(choice, fit=improve(evaluate(choice.fit.ground, rest)))
 
 
-def called_for(ground: Ground, pieces: Sequence[Piece]) -> Fit:
-    """Pieces refitted, without each slip that does not lower the cost by what it is charged."""
+def called_for(ground: Ground, pieces: Sequence[Piece], sure: Sequence[Piece]) -> Fit:
+    """Pieces refitted, without each slip that does not lower the cost by what it is charged.
+
+    sure: slips that stay as they are, whether the rows fitted say anything of them or not.
+    """
+    known = {id(p.term): p for p in sure}
     fit = improve(evaluate(ground, pieces))
     for piece in pieces:
-        if any(p.moment for p in piece.term.parameters(ground.problem.around)):
+        moments = any(p.moment for p in piece.term.parameters(ground.problem.around))
+        if moments and id(piece.term) not in known:
             rest = [p for p in fit.pieces if p.term is not piece.term]
             without = improve(evaluate(ground, rest))
             if without.cost + complexity(without) < fit.cost + complexity(fit):
                 fit = without
-    return fit
+    if not known:
+        return fit
+    return evaluate(ground, [known.get(id(p.term), p) for p in fit.pieces])
 
 
 def parts_of(ground: Ground) -> list[Part]:
@@ -145,13 +169,14 @@ def rows_ahead(parts: Sequence[Part]) -> int:
     return sum(len(part.ahead) for part in parts)
 
 
-def error_ahead(choice: Choice, parts: Sequence[Part]) -> float:
+def error_ahead(choice: Choice, parts: Sequence[Part], sure: Sequence[Piece] = ()) -> float:
     """Root mean square error [measurement's unit] on rows after those that it is refitted to.
 
-    A slip that those do not call for is left out: its moment was found by what came later.
+    A slip that those do not call for is left out, unless it is `sure`: its moment was found by what
+    came later.
     """
     ground, square = choice.fit.ground, 0.0
     for part in parts:
-        fit = called_for(replace(ground, used=part.early), choice.fit.pieces)
+        fit = called_for(replace(ground, used=part.early), choice.fit.pieces, sure)
         square += float(np.sum((ground.problem.measured - fit.predicted)[part.ahead] ** 2))
     return max(float(np.sqrt(square / max(rows_ahead(parts), 1))), 1e-300)
