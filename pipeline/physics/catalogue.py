@@ -29,7 +29,7 @@ from pipeline.physics.held import STEP_AND_WAIT_S
 from pipeline.physics.inertia import Inertia
 from pipeline.physics.late_damper import LateDamper
 from pipeline.physics.lens_distortion import LensDistortion
-from pipeline.physics.long_ripple import LongRipple
+from pipeline.physics.long_ripple import LongOffCentreRipple, LongRipple
 from pipeline.physics.lost_steps import BEHIND, LostSteps
 from pipeline.physics.marker_outliers import MarkerOutliers
 from pipeline.physics.motion import Motion
@@ -39,7 +39,7 @@ from pipeline.physics.queued_frames import QueuedFrames
 from pipeline.physics.recurring_slip import RecurringSlip
 from pipeline.physics.response_lag import ResponseLag
 from pipeline.physics.rubbing_wire import RUBBING
-from pipeline.physics.sagging_creep import RUNNING, SAGGING, SaggingCreep
+from pipeline.physics.sagging_creep import SaggingCreep
 from pipeline.physics.second_order_lag import swinging_as
 from pipeline.physics.settling_drift import SettlingDrift
 from pipeline.physics.sheath_force import SheathForce
@@ -84,10 +84,9 @@ SPRUNG, LATE_DAMPER = ViscousFriction("sprung"), LateDamper()
 LATE = (ForceLag(), ForceLag(SWINGING), FrameLag(OLD))
 WORN, QUEUE = WornPlay(), QueuedFrames()
 LOSSY_SIDES = tuple(Contact(f"{side} {LOSSY}") for side in SIDES)
-SAGS = (SaggingCreep(SAGGING), SaggingCreep(RUNNING))
 ODD = (
-    SingleBump(), LongRipple(), YieldingWire(), ActivatedCreep(), *SAGS, SmoothDrift(),
-    *LOSSY_SIDES,
+    SingleBump(), LongRipple(), LongOffCentreRipple(), YieldingWire(), ActivatedCreep(),
+    SaggingCreep(), SmoothDrift(), *LOSSY_SIDES,
 )  # fmt: skip
 RECURRING = (RecurringSlip("every top"), RecurringSlip("every bottom"))
 SKIPS = tuple(

@@ -9,7 +9,7 @@ from pipeline.discrepancy.noise.learning import NoisePrior, fit_noise, learn_noi
 from pipeline.discrepancy.noise.noise import NoiseModel
 from pipeline.discrepancy.search.explain import explain, refuted
 from pipeline.recording import Recording
-from tests.discrepancy.made import NOISE, posed, recorded
+from tests.discrepancy.made import ANGLE, NOISE, changed, posed, recorded
 
 
 def covariance(model: NoiseModel, cycle: np.ndarray, stands: np.ndarray) -> np.ndarray:
@@ -119,6 +119,21 @@ def test_cycles_that_lack_rows_still_repeat():
     for recording in (whole, lacking):
         prior = learn_noise(posed(recording))
         assert prior.repeats == 4
+        assert prior.model.deviation == pytest.approx(NOISE, rel=0.1)
+
+
+@pytest.mark.parametrize("walk", [0.0, 0.3])
+@pytest.mark.parametrize("moves", [False, True])
+def test_cycles_repeat_beside_another_axis_where_that_moves_nothing(walk, moves):
+    hidden = {"backlash": {"width": 4.0}}
+    if moves:
+        hidden["coupling/yaw_command_deg"] = {"gain": 0.01}
+    whole = recorded(hidden, seed=3, cycles=9, two_axes=True)
+    steps = np.random.default_rng(7).standard_normal(len(whole.samples))
+    walked = changed(whole, **{ANGLE: whole.values(ANGLE) + walk * NOISE * np.cumsum(steps) / 9.0})
+    prior = learn_noise(posed(walked))
+    assert prior.repeats == (0 if moves else 6)
+    if not moves:
         assert prior.model.deviation == pytest.approx(NOISE, rel=0.1)
 
 

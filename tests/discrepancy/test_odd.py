@@ -5,7 +5,7 @@ import pytest
 
 from pipeline.discrepancy.fitting.fit import evaluate
 from pipeline.discrepancy.search.explain import Explanation
-from pipeline.discrepancy.search.odd import FIRM, may_mop_up
+from pipeline.discrepancy.search.odd import FIRM, may_mop_up, oddly
 from pipeline.discrepancy.search.weighing import Choice
 from pipeline.physics.catalogue import term
 from pipeline.physics.mechanism import Piece
@@ -37,3 +37,9 @@ def test_what_comes_besides_as_many_names_must_be_worth_much(
     ground = found.choices[0].fit.ground
     best = Choice(evaluate(ground, [PLAY, TILT]), (0, 0, 0), 0.0)
     assert may_mop_up(Choice(evaluate(ground, pieces), (0, 0, 0), -gain), best) == mops_up
+
+
+def test_what_was_tried_last_and_put_aside_is_not_remembered(found: Explanation) -> None:
+    before = dict(found.search.seen)
+    oddly(found.search, found.choices)
+    assert found.search.seen == before

@@ -155,3 +155,28 @@ def test_the_first_frames_of_cycles_whose_zero_jumps_are_not_mistaken(jitter: fl
     first = problem.train & (np.arange(len(problem.train)) % STEPS == 0)
     found = share_and_size(replace(explanation_of([chosen(ground, 0.0)]), outliers=first))
     assert (found is None) == (jitter > 0.0)
+
+
+def test_a_shaft_that_takes_some_samples_to_slip_was_not_mistaken() -> None:
+    plain = recorded({}, cycles=9, seed=2)
+    drive = plain.values("pitch_command_deg")
+    slipped = np.interp(np.arange(len(drive)), [400, 410], [0.0, 6.0])
+    curve = CubicCurve(0.7, 1e-5)
+    angle = curve(drive + slipped) - curve(drive)
+    found = diagnosed(changed(plain, **{ANGLE: plain.values(ANGLE) + angle}))
+    assert names(found) == {"lost_steps"}
+
+
+def test_what_stands_off_after_waits_of_one_length_was_on_its_way() -> None:
+    rng, plain = np.random.default_rng(8), recorded({})
+    n = len(plain.samples)
+    waits = rng.uniform(0.8, 6.0, n)
+    off = np.zeros(n)
+    brief = np.flatnonzero((waits > 1.1) & (waits < 1.5))
+    off[rng.choice(brief, 10, replace=False)] = 2.0
+    problem = posed(changed(plain, time_s=np.cumsum(waits)))
+    problem = replace(problem, measured=problem.measured + off)
+    ground = ground_of(problem, NoiseModel(NOISE), problem.train & (off == 0.0))
+    explanation = replace(explanation_of([chosen(ground, 0.0)]), outliers=off > 0.0)
+    assert after_some(np.diff(problem.motion.time_s), explanation)
+    assert not after_some(np.abs(np.diff(problem.motion.drive)), explanation)

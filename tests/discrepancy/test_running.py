@@ -13,7 +13,7 @@ from pipeline.physics.kinematics import CubicCurve
 from pipeline.physics.mechanism import Mechanism, Piece
 from pipeline.physics.motion import Motion
 from pipeline.recording import Recording
-from tests.discrepancy.made import ANGLE, CHANNELS, SIMULATED, explained, recorded
+from tests.discrepancy.made import ANGLE, CHANNELS, SIMULATED, diagnosed, explained, recorded
 
 CURVE = CubicCurve(0.7, 6e-5)
 SIZES, DWELLS = (50.0, 30.0, 42.0, 24.0), (0.2, 0.6, 0.2, 0.4)
@@ -106,3 +106,27 @@ def test_a_robot_that_is_sampled_every_few_seconds_steps_and_waits(recording, ru
     assert {("response_lag", "running"), ("creep", "running")}.isdisjoint(
         {(t.name, t.form) for t in terms}
     ) == (not runs)
+
+
+def test_a_wire_that_gives_back_what_arrived_is_creep_and_more_than_that_name_says() -> None:
+    recording = sagging(0.12, 6.0)
+    (diagnosis,) = diagnosed(recording).diagnoses
+    assert [p.name for p in diagnosis.physics] == ["creep"]
+    assert diagnosis.verdict == "partly_explained"
+    told = {p.name: p.value for p in diagnosis.physics[0].parameters}
+    assert told["time_constant"] == pytest.approx(6.0, rel=0.25)
+    assert diagnosis.after.heldout_rmse < 0.11
+
+
+def sagging(share: float, late_s: float) -> Recording:
+    """A Kelvin element in series with the wire, stepped finely (explicit Euler)."""
+    plain = measured("backlash", [0.0])
+    motion, fine = driven(), 20
+    time_s = np.linspace(0.0, motion.time_s[-1], fine * len(motion))
+    asked = np.interp(time_s, motion.time_s, CURVE(motion.drive))
+    late, longer = asked[0], np.empty(len(asked))
+    for k, angle in enumerate(asked):
+        late += (angle - late) * (time_s[1] - time_s[0]) / late_s
+        longer[k] = share * (angle - late)
+    sagged = np.interp(motion.time_s, time_s, longer)
+    return replace(plain, samples=plain.samples.assign(**{ANGLE: plain.samples[ANGLE] + sagged}))

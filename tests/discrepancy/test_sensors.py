@@ -156,3 +156,13 @@ def test_motion_at_random_that_a_play_takes_out_is_no_noise():
     assert noise_of_motion(drive) > 0.0
     measured = play(drive, 2.0, 0.0) + 0.2 * rng.standard_normal(len(drive))
     assert unroughened(drive, measured) == (pytest.approx(drive), 0.0)
+
+
+def test_equal_counts_of_noise_that_forgets_slowly_are_no_samples_said_again() -> None:
+    fresh = np.random.default_rng(5).standard_normal(3000)
+    slow = 0.1 * lfilter([np.sqrt(1.0 - 0.6**2)], [1.0, -0.6], fresh)
+    counts = np.round((MOVED + slow) / 0.0137) * 0.0137
+    written = np.round(1.0137 * counts + 0.2, 5)
+    assert np.mean(np.diff(written) == 0.0) > 0.03
+    assert quantum_of(written) == 0.0
+    assert not stale_samples(written, MOVED).rows.any()

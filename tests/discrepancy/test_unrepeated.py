@@ -15,7 +15,12 @@ from pipeline.discrepancy.noise.learning import NoisePrior
 from pipeline.discrepancy.noise.noise import NoiseModel
 from pipeline.discrepancy.problem.problem import Problem, pose_problem
 from pipeline.discrepancy.search.explain import explain
-from pipeline.discrepancy.search.foretold import errors_ahead, least_errors, parts_of
+from pipeline.discrepancy.search.foretold import (
+    errors_ahead,
+    foretold_part,
+    least_errors,
+    parts_of,
+)
 from pipeline.discrepancy.search.weighing import wanders
 from pipeline.physics.catalogue import term
 from pipeline.physics.kinematics import CubicCurve
@@ -202,3 +207,14 @@ def test_held_out_rows_refute_however_small_a_rest_is(monkeypatch):
     refuted = Structure(True, "on held-out samples", 1e-4, 1e-9)
     monkeypatch.setattr(decision, "disproved", lambda *_: refuted)
     assert decision.decided(found.problem, found)[1].found
+
+
+@pytest.mark.parametrize("rest", [0.01, 1.0])
+def test_a_slip_far_larger_than_the_rest_stays_and_so_does_what_is_foretold_beside_it(rest):
+    """rest: the mean square of what is left [deg^2]; the slip explains some 2."""
+    hidden = ("backlash", [3.0]), ("lost_steps", [4.0, 330.0])
+    recording = moved(20.0 * WAVES, *hidden, seed=1)
+    found = explain(problem_of(recording))
+    best = next(c for c in found.choices if set(c.fit.names) == {"backlash", "lost_steps"})
+    kept = foretold_part(found.choices, best, rest)
+    assert set(kept.fit.names) == ({"backlash", "lost_steps"} if rest < 0.1 else set())

@@ -1,0 +1,55 @@
+"""A simulation, nearly a curve of its command, that knows that the mechanism is a bit late."""
+
+import numpy as np
+import pytest
+
+from pipeline.discrepancy.problem.own_dynamics import beside_curve
+from pipeline.physics.kinematics import IdentityCurve
+from tests.discrepancy.made import ANGLE, SIMULATED, changed, diagnosed, followed, names, value_of
+
+PACE_HZ, LATE_S, NOISE = 0.6, 0.003, 0.05
+TIME_S = np.arange(1500) * 0.01
+DRIVE = 30.0 * np.sin(2.0 * np.pi * PACE_HZ * TIME_S) + 9.0 * np.sin(2.0 * np.pi * 1.7 * TIME_S)
+LATE = np.interp(TIME_S - LATE_S, TIME_S, DRIVE)
+SEEN = NOISE * np.random.default_rng(4).standard_normal(1500)
+
+
+def own(simulated: np.ndarray, measured: np.ndarray, drive: np.ndarray = DRIVE) -> np.ndarray:
+    return beside_curve(drive, IdentityCurve(), simulated, measured)
+
+
+def test_what_the_measurement_does_as_well_is_the_simulations_own() -> None:
+    np.testing.assert_allclose(own(LATE, 1.02 * LATE + 0.3 + SEEN), LATE - DRIVE, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("simulated", "measured", "drive"),
+    [
+        (LATE, DRIVE + SEEN, DRIVE),
+        (DRIVE, LATE + SEEN, DRIVE),
+        (DRIVE + 0.005 * (LATE - DRIVE), LATE + SEEN, DRIVE),
+        (DRIVE, DRIVE + SEEN, 0.35 * np.round(DRIVE / 0.35)),
+    ],
+    ids=["not followed", "no dynamics", "unseen", "counts"],
+)
+def test_it_is_nothing_where_that_is_not_sure(
+    simulated: np.ndarray, measured: np.ndarray, drive: np.ndarray
+) -> None:
+    assert not own(simulated, measured, drive).any()
+
+
+def test_a_lag_that_the_simulation_knows_is_no_mismatch() -> None:
+    recording = followed(TIME_S, DRIVE, 1.02 * LATE + 0.3 + SEEN, PACE_HZ)
+    result = diagnosed(changed(recording, **{SIMULATED: LATE}))
+    assert result.diagnoses[0].verdict == "no_mismatch"
+
+
+def test_what_else_is_late_is_told_beside_it() -> None:
+    later = np.interp(TIME_S - LATE_S - 0.004, TIME_S, DRIVE)
+    recording = followed(TIME_S, DRIVE, later + SEEN, PACE_HZ)
+    result = diagnosed(changed(recording, **{SIMULATED: LATE, ANGLE: later + SEEN}))
+    assert len(names(result)) == 1
+    (found,) = result.diagnoses[0].physics
+    assert {found.name, *found.alternatives} & {"frame_lag", "response_lag"}
+    if found.name == "frame_lag":
+        assert value_of(result, "frame_lag", "lag").value == pytest.approx(0.004, rel=0.2)
