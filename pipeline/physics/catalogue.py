@@ -39,7 +39,6 @@ from pipeline.physics.queued_frames import QueuedFrames
 from pipeline.physics.recurring_slip import RecurringSlip
 from pipeline.physics.response_lag import ResponseLag
 from pipeline.physics.rubbing_wire import RUBBING
-from pipeline.physics.sagging_creep import SaggingCreep
 from pipeline.physics.second_order_lag import swinging_as
 from pipeline.physics.settling_drift import SettlingDrift
 from pipeline.physics.sheath_force import SheathForce
@@ -86,7 +85,7 @@ WORN, QUEUE = WornPlay(), QueuedFrames()
 LOSSY_SIDES = tuple(Contact(f"{side} {LOSSY}") for side in SIDES)
 ODD = (
     SingleBump(), LongRipple(), LongOffCentreRipple(), YieldingWire(), ActivatedCreep(),
-    SaggingCreep(), SmoothDrift(), *LOSSY_SIDES,
+    SmoothDrift(), *LOSSY_SIDES,
 )  # fmt: skip
 RECURRING = (RecurringSlip("every top"), RecurringSlip("every bottom"))
 SKIPS = tuple(

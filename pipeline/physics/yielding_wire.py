@@ -7,6 +7,7 @@ from typing import ClassVar
 import numpy as np
 
 from pipeline.physics.creep import Creep
+from pipeline.physics.held import STEP_AND_WAIT_S
 from pipeline.physics.motion import Motion
 from pipeline.physics.term import Parameter, Surroundings, Term, Told
 
@@ -20,9 +21,9 @@ class YieldingWire(Creep):
     and a joint that has followed sags toward home again. Of that the share `foreseen` is in the
     simulation's gain: none where it is the wire's at once, all where it is that in the long run.
     The catalogue's creep arrives late; this is its converse, which it has no word of its own for.
-    What has settled within a dwell is not told from motion; at one dwell, nothing is told from a
-    loop that runs the other way. Form "yielding wire two" has two arms.
-    `moving` and `begun`: see `Creep`. Source: standard linear solid in series with a spring
+    What has settled within a dwell is not told from motion; of a robot that steps and waits, always
+    as long, nothing is told from a loop that runs the other way. Form "yielding wire two" has two
+    arms. `moving` and `begun`: see `Creep`. Source: standard linear solid in series with a spring
     (Zener); Fung, Biomechanics (1993), section 7.6.
     """
 
@@ -65,7 +66,8 @@ class YieldingWire(Creep):
 
     def excited(self, motion: Motion, around: Surroundings) -> bool:
         shortest, longest = np.quantile(motion.dwell_s, (0.05, 0.95))
-        return super().excited(motion, around) and bool(longest > VARIED * shortest)
+        told = longest > VARIED * shortest or around.dwell_s < STEP_AND_WAIT_S
+        return bool(told) and super().excited(motion, around)
 
     def instead(self, values: np.ndarray, motion: Motion, around: Surroundings) -> Sequence[Told]:
         return ()

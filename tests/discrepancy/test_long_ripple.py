@@ -1,26 +1,58 @@
-"""An eccentric pulley that turns hardly once over the drive, in a law that is written here."""
+"""Pulleys and joints that turn hardly once over the drive, in laws that are written here."""
+
+from collections.abc import Callable
 
 import numpy as np
 import pytest
 
+from pipeline.discrepancy.model.result import DiagnosisResult
 from pipeline.physics.kinematics import CubicCurve
-from tests.discrepancy.made import AMPLITUDE, ANGLE, NOISE, changed, diagnosed, names, recorded
+from tests.discrepancy.made import (
+    AMPLITUDE,
+    ANGLE,
+    NOISE,
+    changed,
+    diagnosed,
+    names,
+    recorded,
+    value_of,
+)
 
 CURVE = CubicCurve(0.7, 1e-5)
-SIZE_DEG = 3.0
 
 
-@pytest.mark.parametrize("turns", [0.85, 1.05])
-@pytest.mark.parametrize("phase", [0.6, 2.5])
-def test_a_pulley_that_turns_about_once_is_a_ripple_and_no_pile_of_bends(turns, phase):
+def seen(ahead: Callable[[np.ndarray], np.ndarray]) -> DiagnosisResult:
+    """The diagnosis of a drive that runs ahead of what it was told."""
     recording = recorded({}, cycles=9)
     drive = recording.values("pitch_command_deg")
-    turned = 2.0 * np.pi * turns * drive / (2.0 * AMPLITUDE) + phase
-    ahead = CURVE(drive + SIZE_DEG * np.sin(turned)) - CURVE(drive)
-    moved = recording.values(ANGLE) + ahead
-    result = diagnosed(changed(recording, **{ANGLE: moved}))
-    (diagnosis,) = result.diagnoses
+    moved = CURVE(drive + ahead(drive)) - CURVE(drive)
+    return diagnosed(changed(recording, **{ANGLE: recording.values(ANGLE) + moved}))
+
+
+@pytest.mark.parametrize(("turns", "phase"), [(0.85, 0.6), (1.05, 0.6), (1.05, 2.5)])
+def test_a_pulley_that_turns_about_once_is_a_ripple_and_no_pile_of_bends(turns, phase):
+    period = 2.0 * AMPLITUDE / turns
+    result = seen(lambda drive: 3.0 * np.sin(2.0 * np.pi * drive / period + phase))
     assert names(result) == {"transmission_ripple"}
-    period = next(p for p in diagnosis.physics[0].parameters if p.name == "period")
-    assert period.low < 2.0 * AMPLITUDE / turns < period.high
-    assert diagnosis.after.heldout_rmse < 1.1 * NOISE
+    told = value_of(result, "transmission_ripple", "period")
+    assert told.low < period < told.high
+    assert result.diagnoses[0].after.heldout_rmse < 1.1 * NOISE
+
+
+def test_where_a_bend_fits_as_well_it_is_among_the_alternatives():
+    period = 2.0 * AMPLITUDE / 0.85
+    result = seen(lambda drive: 3.0 * np.sin(2.0 * np.pi * drive / period + 2.5))
+    (found,) = result.diagnoses[0].physics
+    assert result.diagnoses[0].verdict == "ambiguous"
+    assert "transmission_ripple" in found.alternatives
+
+
+def test_a_universal_joint_at_an_angle_is_a_ripple_that_comes_twice_a_turn():
+    def ahead(drive: np.ndarray) -> np.ndarray:
+        turned = np.radians(drive * 360.0 / 250.0 + 25.0)
+        behind = np.arctan2(np.sin(turned) * np.cos(np.radians(38.0)), np.cos(turned))
+        return np.degrees(np.unwrap(behind) - turned) * 250.0 / 360.0
+
+    result = seen(ahead)
+    assert names(result) == {"transmission_ripple"}
+    assert value_of(result, "transmission_ripple", "period").value == pytest.approx(125.0, rel=0.03)

@@ -120,13 +120,12 @@ def test_a_wire_that_gives_back_what_arrived_is_creep_and_more_than_that_name_sa
 
 def sagging(share: float, late_s: float) -> Recording:
     """A Kelvin element in series with the wire, stepped finely (explicit Euler)."""
-    plain = measured("backlash", [0.0])
-    motion, fine = driven(), 20
-    time_s = np.linspace(0.0, motion.time_s[-1], fine * len(motion))
-    asked = np.interp(time_s, motion.time_s, CURVE(motion.drive))
+    plain, motion = measured("backlash", [0.0]), driven()
+    time_s = np.linspace(0.0, motion.time_s[-1], 20 * len(motion))
+    asked = np.interp(time_s, motion.time_s, motion.drive)
     late, longer = asked[0], np.empty(len(asked))
-    for k, angle in enumerate(asked):
-        late += (angle - late) * (time_s[1] - time_s[0]) / late_s
-        longer[k] = share * (angle - late)
-    sagged = np.interp(motion.time_s, time_s, longer)
+    for k, drive in enumerate(asked):
+        late += (drive - late) * (time_s[1] - time_s[0]) / late_s
+        longer[k] = share * (drive - late)
+    sagged = CURVE(motion.drive + np.interp(motion.time_s, time_s, longer)) - CURVE(motion.drive)
     return replace(plain, samples=plain.samples.assign(**{ANGLE: plain.samples[ANGLE] + sagged}))
