@@ -1,5 +1,7 @@
 """Inertia: a force that grows with the acceleration."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from pipeline.physics.force_term import ForceTerm, per, size
@@ -8,7 +10,10 @@ from pipeline.physics.term import Parameter, Surroundings
 
 
 class Inertia(ForceTerm):
-    """F = mass * x''. Source: Newton's second law."""
+    """F = mass * x''. Source: Newton's second law.
+
+    Only where the simulation has some mass may there be too much of it.
+    """
 
     name = "inertia"
     place = 100.0
@@ -17,7 +22,7 @@ class Inertia(ForceTerm):
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
         most = 4.0 * around.angle_span / max(around.top_acceleration, 1e-12)
-        return (size("mass", per(around, 2), most, around),)
+        return (size("mass", per(around, 2), most, replace(around, simulated=around.accelerating)),)
 
     def force(
         self, motion: Motion, kinetics: Kinetics, values: np.ndarray, state: np.ndarray | None

@@ -7,9 +7,9 @@ import numpy as np
 
 from pipeline.physics.motion import Motion
 from pipeline.physics.term import NO_STATE, Parameter, Surroundings, Told
-from pipeline.physics.transmission_ripple import TransmissionRipple
+from pipeline.physics.transmission_ripple import EDGES, TransmissionRipple
 
-FARTHEST, CENTRED = 0.9, 1e-6
+FARTHEST, CENTRED, EDGED = 0.9, 1e-6, 0.6
 TEETH = TransmissionRipple("both afloat")
 
 
@@ -17,7 +17,8 @@ class OffCentreRipple(TransmissionRipple):
     """x = u + amplitude / e atan2(e sin a, 1 - e cos a), a = 2 pi u / period + phase.
 
     e is how far off it turns over its radius; where it is 0 that is a plain wave. Its harmonics are
-    amplitude e^(k - 1) / k sin(k a). Source: law of sines; as of one ripple.
+    amplitude e^(k - 1) / k sin(k a). Where it is EDGED the wave has an edge, which the drive meets
+    three times, as of teeth that seat, or it is no ripple. Source: law of sines; as of one ripple.
     """
 
     form = "eccentric afloat"
@@ -42,6 +43,9 @@ class OffCentreRipple(TransmissionRipple):
         times = np.arange(1, 1 + max(TEETH.overtones))
         sizes = amplitude * off ** (times - 1) / times
         return np.column_stack([times, np.abs(sizes), times * phase + np.pi * (sizes < 0.0)])
+
+    def slight(self, values: np.ndarray, around: Surroundings) -> bool:
+        return bool(abs(values[3]) > EDGED and around.drive_span < EDGES * values[1])
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
         return np.array([[*r, e] for r in self.plain_waves(around) for e in (-0.3, 0.3)])

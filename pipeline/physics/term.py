@@ -57,7 +57,7 @@ class Surroundings:
     other_span, other_unit: range and unit of each other command. top_speed, top_acceleration: of
     the drive where a force is measured against it [drive unit/s, /s^2]; the angle is then the
     force, and `simulated` says whether the simulation has a force at all, `resisting` whether that
-    has a part that goes by the speed.
+    has a part that goes by the speed, `accelerating` one that goes by the acceleration.
     """
 
     drive_span: float = 120.0
@@ -79,6 +79,7 @@ class Surroundings:
     top_acceleration: float = 0.0
     simulated: bool = False
     resisting: bool = False
+    accelerating: bool = False
 
     @property
     def period_s(self) -> float:

@@ -13,7 +13,7 @@ CUBIC = 2
 LOOSE_GAIN = 3.0
 LEAST_JUMP, RIGID = 1e-3, 0.9
 MOVING, TOP = 0.05, 0.99
-LEAST_RESISTING = 1e-3
+LEAST_TOLD = 1e-3
 
 
 def tolerance_of_fit(
@@ -88,19 +88,23 @@ def tolerance_of_rigid(declared: ToleranceConfig, motion: Motion) -> ToleranceCo
     return replace(declared, gain=max(declared.gain, LOOSE_GAIN)) if rigid else declared
 
 
-def resisting(motion: Motion) -> bool:
-    """Whether some of a simulated force goes by the speed, as friction does.
+def goes_by(motion: Motion) -> tuple[bool, bool]:
+    """Whether some of a simulated force goes by the speed, as friction does, and by acceleration.
 
-    It tells LEAST_RESISTING of the force's variance beside powers of position and acceleration.
+    Either tells LEAST_TOLD of the force's variance beside the other and powers of the position.
     """
     kinetics = motion.kinetics
     assert kinetics is not None
-    simulated, v = kinetics.simulated, kinetics.velocity
+    simulated, v, a = kinetics.simulated, kinetics.velocity, kinetics.acceleration
     x = motion.drive - motion.drive.mean()
-    law = np.column_stack([np.ones(len(x)), x, x**2, x**3, kinetics.acceleration])
-    quick = np.column_stack([law, v, v * np.abs(v), np.sign(v)])
-    told = variance_left(simulated, law) - variance_left(simulated, quick)
-    return told > LEAST_RESISTING * float(np.var(simulated))
+    law = [np.ones(len(x)), x, x**2, x**3]
+    friction, inertia = [v, v * np.abs(v), np.sign(v)], [a]
+    every = variance_left(simulated, np.column_stack([*law, *friction, *inertia]))
+    without = [
+        variance_left(simulated, np.column_stack([*law, *rest])) for rest in (inertia, friction)
+    ]
+    least = LEAST_TOLD * float(np.var(simulated))
+    return without[0] - every > least, without[1] - every > least
 
 
 def variance_left(values: np.ndarray, columns: np.ndarray) -> float:

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from pipeline.config import DiagnosisConfig
-from pipeline.discrepancy.problem.fitted import resisting, tolerance_of_fit, tolerance_of_rigid
+from pipeline.discrepancy.problem.fitted import goes_by, tolerance_of_fit, tolerance_of_rigid
 from pipeline.discrepancy.problem.problem import (
     MOST_ROWS,
     Problem,
@@ -78,6 +78,7 @@ def _surroundings(
 ) -> Surroundings:
     kinetics = motion.kinetics
     assert kinetics is not None
+    resisting, accelerating = goes_by(motion)
     return Surroundings(
         drive_span=float(np.ptp(motion.drive)),
         drive_low=float(np.min(motion.drive)),
@@ -94,7 +95,8 @@ def _surroundings(
         top_speed=top_of(kinetics.velocity),
         top_acceleration=top_of(kinetics.acceleration),
         simulated=bool(np.any(kinetics.simulated)),
-        resisting=resisting(motion),
+        resisting=resisting,
+        accelerating=accelerating,
     )
 
 
