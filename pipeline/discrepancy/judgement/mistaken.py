@@ -15,7 +15,9 @@ from pipeline.discrepancy.search.counted import INCREDIBLE, late_rows, repeats_o
 from pipeline.discrepancy.search.explain import Explanation
 from pipeline.number_words import worded
 from pipeline.physics.catalogue import term
+from pipeline.physics.frame_lag import FrameLag
 
+FRAME_LAG = FrameLag.name
 FEWEST, FEWEST_FAR = 3, 2
 CREDIBLE, NEARLY_ALL = 3.0, 0.8
 FAR = 10.0
@@ -36,7 +38,8 @@ def mistaken_frames(
 
     unexplained: whether a structured rest is left: of that a few samples stand off as well, but by
     less than FAR times the noise, or after steps of other lengths than the rest. None either where
-    they come after waits of other lengths: then they show what was still on its way.
+    they come after waits of other lengths, or beside an old frame nearly all lie between two poses:
+    then they show what was still on its way.
     """
     found = share_and_size(explanation)
     if found is None:
@@ -47,9 +50,9 @@ def mistaken_frames(
     steps, waits = np.abs(np.diff(motion.drive)), np.diff(motion.time_s)
     if unexplained and (few or found[1].value < FAR * noise or after_some(steps, explanation)):
         return None
-    if after_some(waits, explanation):
+    if after_some(waits, explanation) or on_their_way(explanation):
         return None
-    name = "frame_lag" if stale(explanation) else "marker_outliers"
+    name = FRAME_LAG if stale(explanation) else "marker_outliers"
     if name in taken:
         return None
     off, heldout = evidence.measured - evidence.after, evidence.heldout
@@ -110,7 +113,7 @@ def stale_now_and_then(problem: Problem, evidence: Evidence) -> NamedPhysics | N
     last = np.maximum.accumulate(np.where(new, np.arange(len(new)), 0))
     held = known & evidence.heldout[last]
     return NamedPhysics(
-        name="frame_lag",
+        name=FRAME_LAG,
         site="sensor",
         probability=SURELY,
         parameters=(share,),
@@ -132,7 +135,7 @@ def late_now_and_then(explanation: Explanation, evidence: Evidence) -> NamedPhys
     lag = Estimate("lag", float(late.mean()), late.mean() - error, late.mean() + error, "frames")
     off, heldout = evidence.measured - evidence.after, evidence.heldout
     return NamedPhysics(
-        name="frame_lag",
+        name=FRAME_LAG,
         site="sensor",
         probability=SURELY,
         parameters=(share, lag),
@@ -186,6 +189,16 @@ def after_some(lengths: np.ndarray, explanation: Explanation) -> bool:
     return bool(ks_2samp(lengths[rows[1:]], lengths[rest[1:]]).pvalue < BY_CHANCE)
 
 
+def on_their_way(explanation: Explanation) -> bool:
+    """Whether such rows beside an old frame nearly all lie between the pose before and their own."""
+    fit, rows = explanation.choices[0].fit, np.flatnonzero(incredible(explanation))
+    if FRAME_LAG not in fit.names:
+        return False
+    back = fit.predicted[rows - 1] - fit.predicted[rows]
+    share = errors_of(explanation)[rows] / np.where(back == 0.0, np.inf, back)
+    return bool(np.mean((share > 0.0) & (share < 1.0)) > NEARLY_ALL)
+
+
 def stale(explanation: Explanation) -> bool:
     """Whether mistaken frames are nearly all what the frame before them should have shown."""
     problem, fit = explanation.problem, explanation.choices[0].fit
@@ -197,6 +210,6 @@ def stale(explanation: Explanation) -> bool:
 def said_of(name: str, found: tuple[Estimate, Estimate], problem: Problem) -> str:
     """One line for a mechanic on mistaken or, as `frame_lag`, stale frames."""
     share, size = (e.value for e in found)
-    if name == "frame_lag":
+    if name == FRAME_LAG:
         return STALE.format(share=share, size=worded(size), unit=problem.around.angle_unit)
     return term(name).sentence(np.array([share, size]), problem.around)

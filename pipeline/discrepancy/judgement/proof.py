@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+from scipy.special import fdtri
 
 from pipeline.discrepancy.judgement.cycle_zero import about_each_zero, wanders_by_cycle
 from pipeline.discrepancy.judgement.slipped_again import slipped_again
@@ -24,7 +25,7 @@ from pipeline.discrepancy.search.refuted import refuted as unrepeated
 from pipeline.discrepancy.search.weighing import FAR_WALK, Choice
 
 TWICE, HALF, FAR, SURE = 2.0, 0.5, 1.5, 3.0
-FEWEST_BEYOND = 20
+FEWEST_BEYOND, SELDOM = 20, 0.005
 HELDOUT = "on held-out samples, which the fit to the others does not predict"
 SLOWLY = "slow changes that come back, as no zero that wanders does"
 BEYOND = "at held-out commands beyond the range of those fitted"
@@ -108,18 +109,39 @@ def strained(
 
     Names stay then: they may hold, though not all is said; what holds between the commands that
     were fitted holds there all the same if it errs beyond them. A zero that walks by many times the
-    noise is not all said either.
+    noise is not all said either; at which level it does, is a matter of where it began.
     """
     left = off[problem.train & counted]
-    if noise.walk > 0.0 and root_mean(left**2) ** 2 > FAR_WALK * noise.deviation**2:
-        return WALKS
+    if noise.walk > 0.0:
+        off = off - np.mean(left)
+        left = left - np.mean(left)
+        if np.var(left) > FAR_WALK * noise.deviation**2:
+            return WALKS
+    zeros = zeros_apart(problem, off, counted) if noise.jitter > 0.0 else 0.0
+    apart = float(np.hypot(FAR * noise.deviation, zeros))
     other = off[within(problem, counted)]
-    if root_mean(other**2) > usual(left, noise, len(other)):
+    if root_mean(other**2) > max(usual(left, noise, len(other)), apart):
         return HELDOUT
     far = off[problem.heldout & counted & beyond(problem)]
-    if len(far) >= FEWEST_BEYOND and root_mean(far**2) > usual(left, noise, len(far)):
+    if len(far) >= FEWEST_BEYOND and root_mean(far**2) > max(usual(left, noise, len(far)), apart):
         return BEYOND
     return None
+
+
+def zeros_apart(problem: Problem, off: np.ndarray, counted: np.ndarray) -> float:
+    """How far held-out cycles' zeros are to be expected from the trained ones', which jitter.
+
+    Of few cycles the jitter is hardly known: the ratio of two variances (F), by chance SELDOM.
+    """
+    cycle = problem.cycle
+    trained, heldout = (
+        np.array([np.mean(off[rows & (cycle == c)]) for c in np.unique(cycle[rows])])
+        for rows in (problem.train & counted, problem.heldout & counted)
+    )
+    if len(trained) < 2 or not len(heldout):
+        return 0.0
+    ratio = float(fdtri(len(heldout), len(trained) - 1, 1.0 - SELDOM))
+    return float(np.std(trained, ddof=1)) * float(np.sqrt(ratio))
 
 
 def within(problem: Problem, counted: np.ndarray) -> np.ndarray:

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from pipeline.discrepancy.fitting.calibration import FAR_OFF
-from pipeline.discrepancy.fitting.charge import absurd_calibration
+from pipeline.discrepancy.fitting.charge import VOID, absurd_calibration
 from pipeline.discrepancy.fitting.fit import evaluate, improve
 from pipeline.discrepancy.judgement.rest import structured_rest
 from pipeline.discrepancy.judgement.structure import (
@@ -73,11 +73,16 @@ def sure_of_slow(explanation: Explanation, best: Choice) -> Choice:
 def unless_it_wanders(explanation: Explanation, best: Choice) -> Choice:
     """The best choice, or one of fewer names beside a zero that wanders, unless ODDS are against.
 
-    A zero that moves is charged as where cycles repeat: then it is as usual as a drift.
+    A zero that moves is charged as where cycles repeat: then it is as usual as a drift. Nor is it
+    held against one that it wanders by more than the noise, where no cycles say what noise is: what
+    follows the commands of it shows as structure.
     """
+    search = explanation.search
 
     def evenly(choice: Choice) -> float:
-        unusual = explanation.search.family.charge(choice.place) - usual_charge(choice.place)
+        unusual = search.family.charge(choice.place) - usual_charge(choice.place)
+        if explanation.prior.repeats == 0 and search.hides_drift(choice.fit, choice.place):
+            unusual += VOID
         return choice.score - unusual
 
     fewer_names = [c for c in explanation.choices if names(c) < names(best)]
