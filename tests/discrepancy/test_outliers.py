@@ -8,7 +8,7 @@ import pytest
 
 from pipeline.discrepancy.fitting.fit import evaluate
 from pipeline.discrepancy.fitting.ground import ground_of
-from pipeline.discrepancy.judgement.mistaken import after_some, share_and_size
+from pipeline.discrepancy.judgement.mistaken import after_some, on_their_way, share_and_size
 from pipeline.discrepancy.noise.noise import NoiseModel
 from pipeline.discrepancy.problem.outliers import bursts, isolated, longest_burst
 from pipeline.discrepancy.search.counted import between_slips
@@ -180,3 +180,18 @@ def test_what_stands_off_after_waits_of_one_length_was_on_its_way() -> None:
     explanation = replace(explanation_of([chosen(ground, 0.0)]), outliers=off > 0.0)
     assert after_some(np.diff(problem.motion.time_s), explanation)
     assert not after_some(np.abs(np.diff(problem.motion.drive)), explanation)
+
+
+@pytest.mark.parametrize("between", [True, False])
+def test_what_lies_between_two_poses_beside_an_old_frame_was_not_mistaken(between: bool) -> None:
+    problem = posed(recorded({}))
+    rows = np.flatnonzero(problem.train)[20:420:40]
+    moved = np.diff(problem.motion.drive, prepend=0.0)[rows] * problem.curve.slope
+    off = np.zeros(len(problem.motion))
+    off[rows] = (-0.6 if between else 0.6) * moved
+    fine = replace(problem, measured=problem.simulated + off)
+    ground = ground_of(fine, NoiseModel(0.02), fine.train & (off == 0.0))
+    late = chosen(ground, 0.0, frame_lag=[1e-6])
+    explanation = replace(explanation_of([late]), outliers=off != 0.0)
+    assert on_their_way(explanation) == between
+    assert not on_their_way(replace(explanation, choices=[chosen(ground, 0.0)]))

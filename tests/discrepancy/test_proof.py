@@ -89,6 +89,22 @@ def test_a_zero_that_walks_by_many_times_the_noise_is_not_all_said(times, said):
     assert strained(problem, left(problem, times, times), every, NOISE) is None
 
 
+def test_at_which_level_it_walks_is_no_matter():
+    problem, every = posed(), np.ones(ROWS, dtype=bool)
+    off = left(problem, 1.0) + 8.0 * NOISE.deviation
+    assert strained(problem, off, every, WALK) is None
+
+
+@pytest.mark.parametrize(("jitter", "said"), [(0.0, HELDOUT), (0.02, None)])
+def test_few_cycles_hardly_tell_how_far_the_zeros_of_others_jitter(jitter, said):
+    problem, every = posed(), np.ones(ROWS, dtype=bool)
+    zeros = np.array([0.6, -0.4, 1.4, 0.3, -0.5, -1.3, -0.2, 0.3, 1.5]) * NOISE.deviation
+    off = left(problem, 1.0) + zeros[problem.cycle]
+    assert strained(problem, off, every, NoiseModel(white=0.2, jitter=jitter)) == said
+    far = off + 5.0 * NOISE.deviation * problem.heldout
+    assert strained(problem, far, every, NoiseModel(white=0.2, jitter=jitter)) == HELDOUT
+
+
 @pytest.mark.parametrize(
     ("pieces", "repeats", "noise", "strain", "said"),
     [

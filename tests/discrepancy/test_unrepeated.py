@@ -218,3 +218,14 @@ def test_a_slip_far_larger_than_the_rest_stays_and_so_does_what_is_foretold_besi
     best = next(c for c in found.choices if set(c.fit.names) == {"backlash", "lost_steps"})
     kept = foretold_part(found.choices, best, rest)
     assert set(kept.fit.names) == ({"backlash", "lost_steps"} if rest < 0.1 else set())
+
+
+def test_a_zero_that_walks_at_random_by_twice_the_noise_is_seldom_drift_or_slip():
+    verdicts = []
+    for seed in range(1, 9):
+        recording = moved(20.0 * WAVES, seed=seed)
+        walk = np.cumsum(np.random.default_rng(seed).standard_normal(ROWS))
+        tip = recording.values("tip_deg") + 2.0 * NOISE / np.std(walk) * walk
+        walking = Recording(recording.samples.assign(tip_deg=tip), CHANNELS, "simulated")
+        verdicts.append(diagnose(DiagnosisConfig(), walking).diagnoses[0].verdict)
+    assert verdicts.count("no_mismatch") >= 6

@@ -68,13 +68,24 @@ def test_a_drift_is_not_told_in_place_of_other_noise(found: Explanation) -> None
 
 
 @pytest.mark.parametrize(
-    ("repeats", "ahead", "named"),
-    [(3, 4.0, False), (3, 5.0, True), (0, 15.0, False), (0, 16.0, True)],
+    ("hidden", "repeats", "ahead", "named"),
+    [
+        ({}, 3, 4.0, False),
+        ({}, 3, 5.0, True),
+        ({}, 0, 15.0, False),
+        ({}, 0, 16.0, True),
+        ({"backlash": {"width": 4.0}}, 0, 55.0, False),
+        ({"backlash": {"width": 4.0}}, 0, 56.0, True),
+    ],
 )
 def test_by_itself_a_drift_needs_odds_against_noise_that_walks(
-    found: Explanation, repeats: int, ahead: float, named: bool
+    hidden: dict[str, dict[str, float]], repeats: int, ahead: float, named: bool
 ) -> None:
-    """Where nothing repeats, a search charges a walk 11 more than elsewhere."""
+    """Where nothing repeats, a search charges a walk 11 more than elsewhere.
+
+    It charges 40 more for one that takes more than the noise, as that of a hidden play.
+    """
+    found = explained(recorded(hidden))
     prior = replace(found.prior, repeats=repeats)
     search = replace(found.search, family=replace(found.search.family, prior=prior))
     judged = replace(found, prior=prior, search=search)

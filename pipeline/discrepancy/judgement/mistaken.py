@@ -190,7 +190,7 @@ def after_some(lengths: np.ndarray, explanation: Explanation) -> bool:
 
 
 def on_their_way(explanation: Explanation) -> bool:
-    """Whether such rows beside an old frame nearly all lie between the pose before and their own."""
+    """Whether nearly all such rows, beside an old frame, lie between two poses."""
     fit, rows = explanation.choices[0].fit, np.flatnonzero(incredible(explanation))
     if FRAME_LAG not in fit.names:
         return False
