@@ -7,14 +7,14 @@ from pipeline.physics.motion import Motion
 from pipeline.physics.term import Parameter, Surroundings
 from pipeline.physics.waving_drift import shortest_s
 
-WAVES, REACH, FINELY = 6, 0.8, 1001
-PARTS = 2 + WAVES
+WAVES, REACH, FINELY = 7, 0.8, 1001
+PARTS = 1 + WAVES
 
 
 def series(share: np.ndarray) -> np.ndarray:
-    """1, s, s^2 and cos(k pi s), k = 1 to WAVES, of shares s of a recording, (n, 1 + PARTS)."""
+    """1, (1 - s)^2 and cos(k pi s), k = 1 to WAVES, of shares s of a recording, (n, 1 + PARTS)."""
     waves = np.cos(np.pi * np.outer(share, np.arange(1, WAVES + 1)))
-    return np.column_stack([share**0, share, share**2, waves])
+    return np.column_stack([share**0, (1.0 - share) ** 2, waves])
 
 
 ALONE = np.linalg.inv(np.linalg.qr(series(np.linspace(0.0, 1.0, FINELY)), mode="r"))
@@ -26,9 +26,10 @@ class SmoothDrift(Drift):
 
     The b_k are `series` made orthogonal over the recording, which ends at `until`; each size is an
     rms. It is tried where the quickest wave is as slow as a drift's may be, and the rows to fit on
-    go on nearly to the end: after them nothing holds it. Source: the cosine series of a smooth
-    function on an interval (Fourier), with a parabola for its slopes at the ends, which that alone
-    follows slowly (Lanczos, Discourse on Fourier Series (1966)).
+    go on nearly to the end: after them nothing holds it, but that it comes to rest at the end.
+    Source: the cosine series of a smooth function on an interval (Fourier), with a parabola for its
+    slope at the start, which that alone follows slowly (Lanczos, Discourse on Fourier Series
+    (1966)).
     """
 
     form = "smooth"

@@ -112,15 +112,6 @@ def test_a_walk_in_repeats_is_no_slow_correlation():
     assert walking < min(prior.strain((s, 0.95, False), 0.0) for s in (0.03, 0.1, 0.3)) + 3.0
 
 
-@pytest.mark.parametrize("seed", [1, 2, 3, 4])
-def test_a_walk_in_half_cycles_forgets_nothing_however_few_they_are(seed):
-    rng = np.random.default_rng(seed)
-    parts = [np.cumsum(0.1 * rng.standard_normal(100)) + rng.standard_normal(100) for _ in range(7)]
-    model = fit_noise([p - p.mean() for p in parts])
-    assert model.walk > 0.0
-    assert model.correlation < 0.9
-
-
 def test_cycles_that_lack_rows_still_repeat():
     whole = recorded({"backlash": {"width": 4.0}}, seed=3)
     left = np.random.default_rng(3).random(len(whole.samples)) > 0.05

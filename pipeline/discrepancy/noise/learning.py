@@ -9,7 +9,7 @@ from scipy.optimize import minimize
 from scipy.special import chdtrc
 
 from pipeline.discrepancy.noise.force_noise import noise_of_force
-from pipeline.discrepancy.noise.noise import SLOW_CORRELATION, NoiseModel, whitened
+from pipeline.discrepancy.noise.noise import NoiseModel, whitened
 from pipeline.discrepancy.noise.other_axes import contrasted, ways_of_others, without_ways
 from pipeline.discrepancy.problem.counts import quantum_of
 from pipeline.discrepancy.problem.outliers import isolated, robust_deviation
@@ -24,7 +24,6 @@ FEWEST_STEPS = 12
 BESIDE, BROKEN = 6, 6.0
 SURE, UNSURE = 0.08, 0.3
 MOVED = 1e-3
-UNUSUAL = 3.5  # log odds against noise that walks, or forgets as slowly as physics
 
 
 @dataclass(frozen=True)
@@ -278,7 +277,7 @@ def _likeliest(
         cost, x0, method="Nelder-Mead", options={"maxfev": 150, "xatol": 0.02, "fatol": 0.02}
     )
     model = model_of(found.x)
-    penalty = UNUSUAL if walks or model.correlation > SLOW_CORRELATION else 0.0
+    penalty = 3.5 if walks else 0.0
     return float(found.fun) + penalty, NoiseModel(
         model.white, model.correlated, model.correlation, 0.0, model.walk
     )
