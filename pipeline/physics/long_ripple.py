@@ -37,7 +37,7 @@ class LongOffCentreRipple(OffCentreRipple):
     """As long a wave of a wheel that turns about a point off its centre (`off_centre_ripple.py`).
 
     A universal joint at an angle beta leaves just that, twice a turn: its e is tan^2(beta / 2).
-    Source: Seherr-Thoss, Schmelz and Aucktor, Universal Joints and Driveshafts (2006), ch. 2.
+    Source: Seherr-Thoss, Schmelz and Aucktor, Universal Joints and Driveshafts (2006).
     """
 
     form = "long eccentric afloat"

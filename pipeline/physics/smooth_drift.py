@@ -17,15 +17,16 @@ def series(share: np.ndarray) -> np.ndarray:
     return np.column_stack([share**0, (1.0 - share) ** 2, waves])
 
 
-ALONE = np.linalg.inv(np.linalg.qr(series(np.linspace(0.0, 1.0, FINELY)), mode="r"))
-"""What makes the series' columns orthogonal, their mean squares 1 / FINELY (Gram-Schmidt)."""
+GRID = series(np.linspace(0.0, 1.0, FINELY))
+ALONE = np.sqrt(FINELY) * np.linalg.inv(np.linalg.qr(GRID, mode="r"))[:, 1:]
+"""What makes orthogonal parts of mean square 1 of the series' columns (Gram-Schmidt)."""
 
 
 class SmoothDrift(Drift):
-    """d = sum of size_k (b_k(s) - b_k(0)), s = t / until, k = 1 to PARTS; held from `until` on.
+    """d = sum of rms_k (b_k(s) - b_k(0)), s = t / until, k = 1 to PARTS; held from `until` on.
 
-    The b_k are `series` made orthogonal over the recording, which ends at `until`; each size is an
-    rms. It is tried where the quickest wave is as slow as a drift's may be, and the rows to fit on
+    The b_k are `series` made orthogonal over the recording, which ends at `until`, each of an rms
+    of 1. It is tried where the quickest wave is as slow as a drift's may be, and the rows to fit on
     go on nearly to the end: after them nothing holds it, but that it comes to rest at the end.
     Source: the cosine series of a smooth function on an interval (Fourier), with a parabola for its
     slope at the start, which that alone follows slowly (Lanczos, Discourse on Fourier Series
@@ -40,7 +41,7 @@ class SmoothDrift(Drift):
         span, unit, whole = around.angle_span, around.angle_unit, duration_s(around)
         return (
             *(
-                Parameter(f"size_{k}", unit, -span, span, 0.01 * span, 0.03 * span, measured=True)
+                Parameter(f"rms_{k}", unit, -span, span, 0.01 * span, 0.03 * span, measured=True)
                 for k in range(1, PARTS + 1)
             ),
             Parameter("until", "s", whole, whole, whole, 0.0, weak=True),
@@ -51,8 +52,7 @@ class SmoothDrift(Drift):
     ) -> tuple[np.ndarray, np.ndarray]:
         first = motion.time_s[:1] if state is None else state
         share = np.clip((motion.time_s - first[0]) / values[-1], 0.0, 1.0)
-        sizes = np.sqrt(FINELY) * ALONE[:, 1:] @ values[:-1]
-        return signal + (series(share) - series(np.zeros(1))) @ sizes, first
+        return signal + (series(share) - series(np.zeros(1))) @ (ALONE @ values[:-1]), first
 
     def scaled(self, values: np.ndarray, factor: float) -> np.ndarray:
         return np.append(values[:-1] * factor, values[-1])

@@ -7,7 +7,8 @@ import pandas as pd
 import pytest
 
 from pipeline.config import DiagnosisConfig, ToleranceConfig
-from pipeline.discrepancy.problem.fitted import tolerance_of_fit
+from pipeline.discrepancy.problem.fitted import goes_by, tolerance_of_fit
+from pipeline.physics.motion import Kinetics, Motion
 from pipeline.physics.play_operator import play
 from pipeline.physics.pre_sliding import dragging
 from pipeline.recording import Channel, Recording, with_context
@@ -82,3 +83,18 @@ def test_friction_that_turns_round_gradually_takes_the_place_of_rigid_friction()
     assert [p.name for p in found.physics] == ["coulomb_friction"]
     assert found.verdict == "explained"
     assert found.after.heldout_rmse < 1.2 * 2.0
+
+
+@pytest.mark.parametrize(("friction", "mass"), [(0.0, 0.0), (30.0, 0.0), (0.0, 2.0), (30.0, 2.0)])
+def test_what_a_simulated_force_goes_by_is_told_beside_its_spring(friction, mass):
+    time_s = np.arange(N) / 100.0
+    pace = 2.0 * np.pi * np.array([[0.4], [1.1]])
+    sines, size = np.sin(pace * time_s), np.array([0.05, 0.02])
+    x = size @ sines
+    v, a = (
+        (size[:, None] * pace * np.cos(pace * time_s)).sum(0),
+        (-size[:, None] * pace**2 * sines).sum(0),
+    )
+    force = 800.0 * x + friction * v + mass * a
+    motion = Motion(x, time_s, np.zeros(N, dtype=int), kinetics=Kinetics(v, a, force))
+    assert goes_by(motion) == (friction > 0.0, mass > 0.0)

@@ -1,7 +1,10 @@
 """Ripples of teeth and wheels that run out of true, in an explanation."""
 
+import numpy as np
 import pytest
 
+from pipeline.physics.off_centre_ripple import OffCentreRipple
+from pipeline.physics.term import Surroundings
 from tests.discrepancy.made import explained, recorded
 
 
@@ -25,3 +28,11 @@ def test_teeth_whose_overtones_go_their_own_way_are_no_wheel_off_its_centre():
     (piece,) = best.fit.pieces
     assert piece.term.form == "both afloat"
     assert piece.values[[0, 3, 5]] == pytest.approx([2.0, 0.45, 0.35], abs=0.05)
+
+
+@pytest.mark.parametrize(
+    ("off", "period", "slight"), [(0.8, 60.0, True), (0.8, 30.0, False), (0.3, 60.0, False)]
+)
+def test_an_edge_that_the_drive_meets_less_than_three_times_is_no_ripple(off, period, slight):
+    around = Surroundings(drive_span=110.0)
+    assert OffCentreRipple().slight(np.array([2.0, period, 0.0, off]), around) == slight

@@ -218,6 +218,8 @@ def test_a_slip_far_larger_than_the_rest_stays_and_so_does_what_is_foretold_besi
     best = next(c for c in found.choices if set(c.fit.names) == {"backlash", "lost_steps"})
     kept = foretold_part(found.choices, best, rest)
     assert set(kept.fit.names) == ({"backlash", "lost_steps"} if rest < 0.1 else set())
+    alone = next(c for c in found.choices if c.fit.names == ("lost_steps",))
+    assert foretold_part(found.choices, alone, rest).fit.names == alone.fit.names[: rest < 0.1]
 
 
 def test_a_zero_that_walks_at_random_by_twice_the_noise_is_seldom_drift_or_slip():

@@ -26,6 +26,11 @@ def found() -> Explanation:
     return explained(recorded({"backlash": {"width": 4.0}}))
 
 
+@pytest.fixture(scope="module")
+def calm() -> Explanation:
+    return explained(recorded({}))
+
+
 def chosen(found: Explanation, *weighed: tuple[tuple[Piece, ...], Place, float]) -> frozenset[str]:
     """The names that stay of choices: their pieces, where their noise lies, and their scores."""
     ground = found.choices[0].fit.ground
@@ -68,27 +73,27 @@ def test_a_drift_is_not_told_in_place_of_other_noise(found: Explanation) -> None
 
 
 @pytest.mark.parametrize(
-    ("hidden", "repeats", "ahead", "named"),
+    ("far", "repeats", "ahead", "named"),
     [
-        ({}, 3, 4.0, False),
-        ({}, 3, 5.0, True),
-        ({}, 0, 15.0, False),
-        ({}, 0, 16.0, True),
-        ({"backlash": {"width": 4.0}}, 0, 55.0, False),
-        ({"backlash": {"width": 4.0}}, 0, 56.0, True),
+        (False, 3, 4.0, False),
+        (False, 3, 5.0, True),
+        (False, 0, 15.0, False),
+        (False, 0, 16.0, True),
+        (True, 0, 55.0, False),
+        (True, 0, 56.0, True),
     ],
 )
 def test_by_itself_a_drift_needs_odds_against_noise_that_walks(
-    hidden: dict[str, dict[str, float]], repeats: int, ahead: float, named: bool
+    found: Explanation, calm: Explanation, far: bool, repeats: int, ahead: float, named: bool
 ) -> None:
     """Where nothing repeats, a search charges a walk 11 more than elsewhere.
 
     It charges 40 more for one that takes more than the noise, as that of a hidden play.
     """
-    found = explained(recorded(hidden))
-    prior = replace(found.prior, repeats=repeats)
-    search = replace(found.search, family=replace(found.search.family, prior=prior))
-    judged = replace(found, prior=prior, search=search)
+    told = found if far else calm
+    prior = replace(told.prior, repeats=repeats)
+    search = replace(told.search, family=replace(told.search.family, prior=prior))
+    judged = replace(told, prior=prior, search=search)
     kept = chosen(judged, ((DRIFT,), STILL, 0.0), ((), WALKS, ahead))
     assert kept == ({"drift"} if named else frozenset())
 

@@ -16,6 +16,7 @@ from pipeline.physics.catalogue import (
     term,
 )
 from pipeline.physics.differentiation import differentiate
+from pipeline.physics.inertia import Inertia
 from pipeline.physics.mechanism import Mechanism, Piece
 from pipeline.physics.motion import Kinetics, Motion, turned_between
 from pipeline.physics.term import Surroundings, TermError, values_of
@@ -357,3 +358,10 @@ def test_dry_friction_that_differs_a_little_along_the_way_is_not_told_as_pressed
     for growth, middle, slight in [(15.0, 0.0, True), (60.0, 0.0, False), (-40.0, 0.1, False)]:
         assert loaded.slight(np.array([10.0, 0.01, growth, middle]), AROUND) == slight
     assert not term("coulomb_friction").slight(np.array([10.0, 0.01]), AROUND)
+
+
+def test_there_is_too_much_mass_only_where_the_simulation_has_some():
+    for accelerating in (False, True):
+        around = replace(AROUND, simulated=True, accelerating=accelerating)
+        (mass,) = Inertia().parameters(around)
+        assert (mass.low < 0.0) == accelerating

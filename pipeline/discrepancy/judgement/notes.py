@@ -41,6 +41,13 @@ def notes(
             f"{problem.around.drive_unit}, and the measurement does not go in such steps: the "
             "smoothest motion within half a count drives the terms."
         )
+    if problem.own:
+        unit = problem.around.angle_unit
+        out.append(
+            f"The simulation is {worded(problem.own)} {unit} (RMS) off a curve of {problem.drive}, "
+            "and the measurement goes along with that: it is no mismatch. Predictions of other "
+            "commands are without it."
+        )
     if problem.rough:
         out.append(
             f"{problem.drive} was recorded with noise of its own ({problem.rough:.2g} "

@@ -8,6 +8,7 @@ import numpy as np
 from scipy.optimize import minimize
 from scipy.special import chdtrc
 
+from pipeline.discrepancy.noise.contrast import FEWEST_STEPS, free_of, numbered
 from pipeline.discrepancy.noise.force_noise import noise_of_force
 from pipeline.discrepancy.noise.noise import NoiseModel, whitened
 from pipeline.discrepancy.noise.other_axes import contrasted, ways_of_others, without_ways
@@ -20,7 +21,6 @@ from pipeline.physics.motion import Motion
 APART = 60
 FREE_LEVEL = 1e3
 FINEST = 1e-6
-FEWEST_STEPS = 12
 BESIDE, BROKEN = 6, 6.0
 SURE, UNSURE = 0.08, 0.3
 MOVED = 1e-3
@@ -143,8 +143,7 @@ def contrasts(residual: np.ndarray, rows: np.ndarray, finest: float) -> list[np.
     taken off: another set of repeats has another level.
     """
     values = unmistaken(np.where(rows >= 0, residual[rows], np.nan), finest)
-    number = np.max(rows, axis=1).astype(float)
-    number = (number - number.mean()) / max(float(np.ptp(number)), 1e-9)
+    number = numbered(rows)
     have = np.isfinite(values)
     out = []
     for pattern in np.unique(have, axis=1).T:
@@ -152,8 +151,7 @@ def contrasts(residual: np.ndarray, rows: np.ndarray, finest: float) -> list[np.
         degree = 1 if pattern.sum() >= 3 else 0
         if pattern.sum() <= degree + 1 or steps.sum() < FEWEST_STEPS:
             continue
-        base = np.vander(number[pattern], degree + 1)
-        free = np.linalg.svd(base)[0][:, degree + 1 :]
+        free = free_of(number[pattern], degree)
         for j in range(free.shape[1]):
             series = np.full(values.shape[1], np.nan)
             series[steps] = free[:, j] @ values[np.ix_(pattern, steps)]

@@ -2,9 +2,8 @@
 
 import numpy as np
 
+from pipeline.discrepancy.noise.contrast import FEWEST_STEPS, free_of, numbered
 from pipeline.physics.motion import Motion
-
-FEWEST_STEPS = 12
 
 
 def ways_of_others(motion: Motion) -> np.ndarray:
@@ -29,8 +28,7 @@ def contrasted(values: np.ndarray, rows: np.ndarray, ways: np.ndarray) -> list[n
     steps = np.isfinite(values).all(axis=0)
     if len(rows) < 3 or steps.sum() < FEWEST_STEPS:
         return []
-    number = np.linspace(-0.5, 0.5, len(rows))
-    free = np.linalg.svd(np.vander(number, 2))[0][:, 2:]
+    free = free_of(numbered(rows), 1)
     beside = np.concatenate([values[:, steps, None], ways[rows[:, steps]]], axis=2)
     found = np.einsum("rj,rsm->jsm", free, beside)
     return list(found - found.mean(axis=1, keepdims=True))

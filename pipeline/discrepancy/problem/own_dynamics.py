@@ -1,6 +1,7 @@
 """What a simulation does beside its static curve, where the measurement does it as well."""
 
 import numpy as np
+from numpy.polynomial import Legendre
 
 from pipeline.discrepancy.problem.counts import quantum_of
 from pipeline.discrepancy.problem.outliers import robust_deviation
@@ -8,6 +9,7 @@ from pipeline.discrepancy.problem.rough import THIRD, noise_of_motion
 from pipeline.physics.kinematics import Curve
 
 FEWEST, SEEN, OWN = 30, 0.05, 0.3
+SMOOTH = 9
 FOLLOWS, SURELY, NEARLY, SURE = 0.5, 2.0, 0.2, 0.07
 
 
@@ -24,20 +26,24 @@ def beside_curve(
     known = np.isfinite(simulated) & np.isfinite(measured)
     if known.sum() < FEWEST:
         return nothing
-    asked = curve(drive)
-    left = np.where(np.isfinite(simulated), simulated - asked, 0.0)
-    size = float(np.std(left[known]))
+    found = np.where(np.isfinite(simulated), simulated - curve(drive), 0.0)
+    size = float(np.std(found[known]))
     noise = robust_deviation(np.diff(measured[known], 3)) / THIRD
     rough = abs(curve.slope) * max(quantum_of(drive), noise_of_motion(drive))
     seen = size > SEEN * noise and rough < OWN * size
-    return left if seen and goes_along(left[known], asked[known], measured[known]) else nothing
+    along = seen and goes_along(drive[known], simulated[known], measured[known])
+    return found if along else nothing
 
 
-def goes_along(left: np.ndarray, asked: np.ndarray, measured: np.ndarray) -> bool:
-    """Whether a measurement surely does what is left of a simulation beside its curve, (n,) each.
+def goes_along(drive: np.ndarray, simulated: np.ndarray, measured: np.ndarray) -> bool:
+    """Whether a measurement surely does what a simulation leaves beside a curve, (n,) each.
 
-    In second differences, which leave next to nothing of slow physics, or beside a cubic.
+    In second differences, which leave next to nothing of slow physics, or beside a cubic. The curve
+    is a SMOOTH one: one through each sample follows now the way up and now the way down, and a
+    measurement would seem to go along with that.
     """
+    asked = Legendre.fit(drive, simulated, SMOOTH)(drive)
+    left = simulated - asked
     line = np.polyval(np.polyfit(asked, measured, 1), asked)
     share, error = share_of(np.diff(left, 2)[:, None], np.diff(measured - line, 2))
     if share - SURELY * error > FOLLOWS:

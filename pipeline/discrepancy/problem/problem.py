@@ -59,7 +59,8 @@ class Problem:
     which samples say again what the one before said. replaced: the simulation as it came, where
     another stands in its place: a line in a command where it does not move, the middle of its two
     branches where it jumps with the direction (`jumping.py`). unsettled: how many measured samples
-    come after a hole and don't count, see `holes.py`.
+    come after a hole and don't count, see `holes.py`. own: what was taken off measured and
+    simulated, as the simulation does it beside its curve, RMS, see `own_dynamics.py`.
     """
 
     motion: Motion
@@ -81,6 +82,7 @@ class Problem:
     stale: StaleSamples = NONE_STALE
     replaced: np.ndarray | None = None
     unsettled: int = 0
+    own: float = 0.0
 
     @property
     def cycle(self) -> np.ndarray:
@@ -153,10 +155,10 @@ def pose_problem(
     if other is not None:
         replaced, simulated = simulated, other
         motion, curve, drive, static = driven_by(recording, measurement, simulated)
-    counted = rough = 0.0
+    counted = rough = own = 0.0
     if static:
-        own = beside_curve(motion.drive, curve, simulated, measured)
-        measured, simulated = measured - own, simulated - own
+        beside = beside_curve(motion.drive, curve, simulated, np.where(train, measured, np.nan))
+        measured, simulated, own = measured - beside, simulated - beside, float(np.std(beside))
         seen = np.where(train, measured, np.nan)
         motion, curve, counted = uncounted(motion, curve, seen, simulated)
         if counted == 0.0:
@@ -171,7 +173,7 @@ def pose_problem(
     return Problem(
         motion, curve, measured, simulated, train, known & heldout, around, tolerance,
         drive, static, counted=counted, rough=rough, stale=stale, replaced=replaced,
-        unsettled=int(unsettled.sum()),
+        unsettled=int(unsettled.sum()), own=own,
     )  # fmt: skip
 
 

@@ -82,10 +82,10 @@ def foretold_part(choices: Sequence[Choice], choice: Choice, rest: float) -> Cho
     """What of a choice that leaves a structured rest later training rows bear out.
 
     Slips go at once: beside a rest that is not understood, a zero that jumps follows just that. But
-    one that explains far more than the rest (its mean square) is a slip, and no row ahead is asked
-    for it. A name stays whose absence would raise the mean square error ahead by a tenth of the
-    least so far; the rest is refitted. All go where what stays takes away less than seven tenths of
-    what calibration alone leaves.
+    one that explains far more than the rest (its mean square) is a slip: it stays, and no row ahead
+    is asked for it. A name stays whose absence would raise the mean square error ahead by a tenth
+    of the least so far; the rest is refitted. All others go where what stays takes away less than
+    seven tenths of what is left without.
     """
     base = next(c for c in choices if not c.fit.pieces)
     parts = parts_of(choice.fit.ground)
@@ -100,10 +100,10 @@ def foretold_part(choices: Sequence[Choice], choice: Choice, rest: float) -> Cho
         if errors[k] > (1.0 + NEEDED) * left:
             break
         choice, left = trials[k], min(left, errors[k])
-    alone = replace(base, fit=evaluate(choice.fit.ground, sure)) if sure else base
+    alone = replace(choice, fit=evaluate(choice.fit.ground, sure)) if sure else base
     whole = error_ahead(alone, parts, sure) ** 2
     enough = error_ahead(choice, parts, sure) ** 2 < (1.0 - ENOUGH) * whole
-    return choice if len(choice.fit.pieces) > len(sure) and enough else base
+    return choice if len(choice.fit.pieces) > len(sure) and enough else alone
 
 
 def sure_slips(choice: Choice, rest: float) -> list[Piece]:
