@@ -24,7 +24,7 @@ DECISIVE = 4.5
 ENOUGH_POWER = 0.95
 LONGER = 2.2
 HOPELESS = 0.3
-LEAST_PROBABILITY = 0.02
+LEAST_PROBABILITY = 0.005
 MOST_RIVALS = 4
 DIFFERENCE = 1e-3
 FREEDOM = 3.0
@@ -136,10 +136,20 @@ def explore(drive: "Drive", habit: Habit) -> Proposal:
 
 
 def rivals_of(hypotheses: Sequence[Hypothesis]) -> list[Hypothesis]:
-    """The likely explanations of which none only adds names to another; each has a name."""
+    """The likely explanations that have names and of which none only adds names to another.
+
+    What only adds names to one stands for that where it is likelier.
+    """
     likely = [h for h in hypotheses if h.probability >= LEAST_PROBABILITY and h.names]
     least = [h for h in likely if not any(set(o.names) < set(h.names) for o in likely)]
-    return least[:MOST_RIVALS]
+    fullest = [
+        max(
+            (o for o in likely if [h] == [k for k in least if set(k.names) <= set(o.names)]),
+            key=lambda o: o.probability,
+        )
+        for h in least
+    ]
+    return sorted(fullest, key=lambda h: -h.probability)[:MOST_RIVALS]
 
 
 @dataclass(frozen=True)
@@ -236,7 +246,8 @@ def weigh(block: Block, drive: Drive, evidence: Evidence, rivals: Sequence[Hypot
     readings = [
         [
             reading_of(m.respond(motion)[0], slopes_of(m, motion), evidence.noise, motion)
-            for m in readings_of(rival.mechanism, dwell_s)
+            for form in (rival.mechanism, *rival.forms)
+            for m in readings_of(form, dwell_s)
         ]
         for rival in rivals
     ]

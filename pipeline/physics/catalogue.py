@@ -39,6 +39,7 @@ from pipeline.physics.queued_frames import QueuedFrames
 from pipeline.physics.recurring_slip import RecurringSlip
 from pipeline.physics.response_lag import ResponseLag
 from pipeline.physics.rubbing_wire import RUBBING
+from pipeline.physics.running_clock import RunningClock
 from pipeline.physics.second_order_lag import swinging_as
 from pipeline.physics.settling_drift import SettlingDrift
 from pipeline.physics.sheath_force import SheathForce
@@ -85,7 +86,7 @@ WORN, QUEUE = WornPlay(), QueuedFrames()
 LOSSY_SIDES = tuple(Contact(f"{side} {LOSSY}") for side in SIDES)
 ODD = (
     SingleBump(), LongRipple(), LongOffCentreRipple(), YieldingWire(), ActivatedCreep(),
-    SmoothDrift(), *LOSSY_SIDES,
+    SmoothDrift(), RunningClock(), *LOSSY_SIDES,
 )  # fmt: skip
 RECURRING = (RecurringSlip("every top"), RecurringSlip("every bottom"))
 SKIPS = tuple(

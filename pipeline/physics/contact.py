@@ -94,7 +94,7 @@ class Contact(Term):
         shallow = self.side * (end - angle) < SKINS * skin
         return tuple(n for n, so in ((Compliance.name, at_home), (EndStop.name, shallow)) if so)
 
-    def limit(self, values: np.ndarray) -> str:
+    def limit(self, values: np.ndarray, around: Surroundings) -> str:
         """What is stiffer than a contact can be is an end stop."""
         return EndStop.name if values[0] >= STIFFEST else ""
 

@@ -14,7 +14,7 @@ from pipeline.physics.slack import HOME, Slack
 from pipeline.physics.term import Parameter, Shown, Surroundings, Term, Told
 
 LEFT, LOOSENED, LOOSE = ((0.65, 0.3), (0.5, 0.7)), 1.4, 0.02
-SHARP, CORNER = 0.2, 0.01
+SHARP, CORNER, AS_LITTLE = 0.2, 0.01, 1.001
 FIRM, ALONE, GIVING = 0.1, 0.1, 0.3
 WRAPPED, ASYMMETRIC = "wrapped", "driven asymmetric"
 ON, ODDS = "driven on", 6.0
@@ -129,6 +129,11 @@ class Friction(Term):
         """Backlash where the corners are surely sharp, or far smaller than the loop is wide."""
         corner = not self.before_curve and values[1] < CORNER * values[0]
         return Backlash.name if corner or shown.sharp(1) else self.name
+
+    def limit(self, values: np.ndarray, around: Surroundings) -> str:
+        """Backlash where it gives way over as little as it can."""
+        sharpest = self.parameters(around)[1].low
+        return Backlash.name if values[1] <= AS_LITTLE * sharpest else ""
 
     def instead(self, values: np.ndarray, motion: Motion, around: Surroundings) -> Sequence[Told]:
         """Less of it beside slack; for what grows with the bend creep that grows with the pull.

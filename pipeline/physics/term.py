@@ -273,7 +273,7 @@ class Term:
         """The name of what this amounts to in what is shown: its own, or one that it hides."""
         return self.name
 
-    def limit(self, values: np.ndarray) -> str:
+    def limit(self, values: np.ndarray, around: Surroundings) -> str:
         """The name of what this comes to where it can go no further; "" where it can."""
         return ""
 

@@ -7,10 +7,12 @@ import numpy as np
 
 from pipeline.discrepancy.fitting.fit import evaluate, improve
 from pipeline.discrepancy.judgement.verdict import mean_square
+from pipeline.discrepancy.problem.problem import Problem
 from pipeline.discrepancy.search.explain import Explanation
 from pipeline.discrepancy.search.weighing import Choice, names
 
 LEAST_SHARE, MOST_TOGETHER, MANY = 0.01, 0.02, 3
+LATE, LATE_SHARE = frozenset({"creep", "frame_lag", "response_lag"}), 0.04
 
 
 def names_of_form(explanation: Explanation, best: Choice) -> dict[str, float]:
@@ -21,23 +23,39 @@ def names_of_form(explanation: Explanation, best: Choice) -> dict[str, float]:
     explains less than LEAST_SHARE of the mismatch (RMS), calibration apart, and all of them
     together less than MOST_TOGETHER. The one that explains least is taken out first. Of a force
     against motion none is one: beside a weight or a spring, friction is small.
+
+    Where the simulation is a trace with a course in time of its own, terms act on what comes out of
+    that, and what they stand for acts inside of it: they come a little early or late. So there a
+    lag is one, too, that explains less than LATE_SHARE and less than the noise.
     """
     if explanation.problem.derivatives is not None:
         return {}
-    before = mismatch_of(explanation, best)
-    begun, told, found = mean_square(explanation, best), best, {}
+    before, begun = mismatch_of(explanation, best), mean_square(explanation, best)
+    noise, moves = best.fit.ground.noise.deviation**2, moves_by_itself(explanation.problem)
+    told, found = best, {}
     while len(names(told)) > 1:
-        without = []
+        formal = []
+        left_now = mean_square(explanation, told)
         for name in names(told):
             rest = [p for p in told.fit.pieces if p.term.name != name]
             trial = replace(told, fit=improve(evaluate(told.fit.ground, rest)))
-            without.append((mean_square(explanation, trial), name, trial))
-        left, name, trial = min(without, key=lambda w: w[0])
-        own = max(left - mean_square(explanation, told), 0.0)
-        if own > LEAST_SHARE**2 * before or left - begun > MOST_TOGETHER**2 * before:
+            left = mean_square(explanation, trial)
+            late = moves and name in LATE
+            share, together = (LATE_SHARE,) * 2 if late else (LEAST_SHARE, MOST_TOGETHER)
+            own = max(left - left_now, 0.0)
+            little = own <= share**2 * before and left - begun <= together**2 * before
+            if little and not (late and own > noise):
+                formal.append((left, name, own, trial))
+        if not formal:
             break
-        found[name], told = float(np.sqrt(own / before)), trial
+        _, name, own, told = min(formal, key=lambda f: f[0])
+        found[name] = float(np.sqrt(own / before))
     return found
+
+
+def moves_by_itself(problem: Problem) -> bool:
+    """Whether the simulation has a course in time of its own."""
+    return not problem.static or problem.own > 0.0
 
 
 def one_for_many(explanation: Explanation, best: Choice) -> Choice:

@@ -1,5 +1,6 @@
 """Rivals: the explanations that compete with the chosen one, and how likely each is."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 from pipeline.discrepancy.fitting.fit import evaluate
@@ -11,11 +12,11 @@ from pipeline.discrepancy.search.disguise import as_itself, plain
 from pipeline.discrepancy.search.equivalents import equivalents
 from pipeline.discrepancy.search.explain import Explanation
 from pipeline.discrepancy.search.ties import weights_of
-from pipeline.discrepancy.search.weighing import RIVAL_GAP, Choice, by_names, names
+from pipeline.discrepancy.search.weighing import RIVAL_GAP, Choice, best_of_each, by_names, names
 from pipeline.physics.catalogue import BENDS
 from pipeline.physics.mechanism import Mechanism
 
-RIVALS = 6
+RIVALS, FORMS = 6, 3
 
 
 def hypotheses_of(
@@ -30,12 +31,25 @@ def hypotheses_of(
         distinct = [best]
     weights = weights_of(distinct)
     found = [
-        Hypothesis(c.fit.names, float(w), mechanism_of(problem, c), zero_at_end(problem, c.fit))
+        Hypothesis(
+            names=c.fit.names,
+            probability=float(w),
+            mechanism=mechanism_of(problem, c),
+            zero=zero_at_end(problem, c.fit),
+            forms=tuple(mechanism_of(problem, o) for o in other_forms(c, every)),
+        )
         for c, w in sorted(
             zip(distinct, weights, strict=True), key=lambda x: (x[0] is not best, -x[1])
         )
     ]
     return tuple(found[:RIVALS])
+
+
+def other_forms(choice: Choice, choices: Sequence[Choice]) -> list[Choice]:
+    """The best few choices of the same names in other forms, which fit nearly as well."""
+    same = [c for c in best_of_each(choices) if names(c) == names(choice)]
+    near = [c for c in same if c.score < choice.score + RIVAL_GAP]
+    return [c for c in near if c.fit.key != choice.fit.key][:FORMS]
 
 
 def swapped(explanation: Explanation, best: Choice) -> list[Choice]:

@@ -170,19 +170,17 @@ def two_zeros(choice: Choice) -> Sign | None:
 
 
 def humming(explanation: Explanation, choice: Choice) -> Sign | None:
-    """A frequency that holds much of an angle's innovations: in time, travel or the angle."""
+    """A frequency that holds much of the innovations: in time; of an angle in travel or itself."""
     problem, ground = explanation.problem, choice.fit.ground
-    if problem.derivatives is not None:
-        return None
     used, drive = ground.used, problem.motion.drive
-    innovations = choice.fit.innovations
     travel = np.cumsum(np.abs(np.diff(drive, prepend=drive[:1])))[used]
     places = (
-        ("in time", "s", hum(innovations, problem.motion.time_s[used])),
-        ("along the command's way", problem.around.drive_unit, hum(innovations, travel)),
-        ("in the angle", problem.around.angle_unit, hum(innovations, choice.fit.predicted[used])),
+        ("in time", "s", problem.motion.time_s[used]),
+        ("along the command's way", problem.around.drive_unit, travel),
+        ("in the angle", problem.around.angle_unit, choice.fit.predicted[used]),
     )
-    for where, unit, (hums, share, period) in places:
+    for where, unit, along in places if problem.derivatives is None else places[:1]:
+        hums, share, period = hum(choice.fit.innovations, along)
         if hums:
             told = f"a hum {where}, again and again every {worded(period)} {unit}"
             return Sign(told, float(np.sqrt(share)) * ground.noise.deviation, CHANCE)

@@ -28,13 +28,14 @@ class ModelError(LoopgapError):
 class Hypothesis:
     """An explanation that competes: its names, its probability, and a mechanism that can answer.
 
-    zero: where its own walk ended.
+    zero: where its own walk ended. forms: the same names in other forms, which fit nearly as well.
     """
 
     names: tuple[str, ...]
     probability: float
     mechanism: Mechanism
     zero: WalkedZero | None = None
+    forms: tuple[Mechanism, ...] = ()
 
     def respond(self, motion: Motion) -> np.ndarray:
         """What it expects to be measured, (n,)."""

@@ -29,7 +29,7 @@ from pipeline.recording import Recording
 HELD_OUT_EVERY = 3
 STATIC_ERROR = 2e-3
 FEWEST_SAMPLES = 40
-MOST_ROWS = 3000
+MOST_ROWS = 6000
 MIXED = 0.05
 
 

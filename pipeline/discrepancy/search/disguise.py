@@ -74,8 +74,13 @@ def plainly(fit: Fit) -> list[str]:
 
 def as_itself(choice: Choice, best: Choice) -> bool:
     """Whether a choice is no other one in disguise, nor as far as can be towards the best one."""
-    limits = {p.term.limit(p.values) for p in choice.fit.pieces}
-    return plain(choice) == names(choice) and not limits & names(best)
+    return plain(choice) == names(choice) and not limits(choice) & names(best)
+
+
+def limits(choice: Choice) -> frozenset[str]:
+    """What terms of a choice come to that can go no further towards it (`Term.limit`)."""
+    around = choice.fit.ground.problem.around
+    return frozenset(p.term.limit(p.values, around) for p in choice.fit.pieces)
 
 
 def undisguised(choices: Sequence[Choice]) -> Choice:

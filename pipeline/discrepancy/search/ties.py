@@ -6,7 +6,7 @@ import numpy as np
 
 from pipeline.discrepancy.fitting.charge import complexity
 from pipeline.discrepancy.problem.problem import Problem
-from pipeline.discrepancy.search.disguise import as_itself, plain, plainly
+from pipeline.discrepancy.search.disguise import as_itself, limits, plain, plainly
 from pipeline.discrepancy.search.equivalents import equivalents
 from pipeline.discrepancy.search.weighing import RIVAL_GAP, TIE, Choice, by_names, names
 from pipeline.physics.catalogue import BENDS
@@ -39,10 +39,10 @@ def standing(name: str, best: Choice, choices: list[Choice], problem: Problem) -
 
     Those that are the best one in disguise say nothing, but for slack that may be what bends, and
     for what may be mistaken for this name (`Term.mistaken_for`): it is charged for parameters that
-    tell nothing there, and ties if it fits better. Nor need such a name be in disguise to be
-    listed, where all that it is behind is its charge for more parameters. Where one bend of a
-    static curve could stand in its place, each could; not in that of one that another axis turns.
-    Nor is what becomes another with time the same as what doesn't.
+    tell nothing there, and ties if it fits better, unless it comes to this name there. Nor need
+    such a name be in disguise to be listed, where all that it is behind is its charge for more
+    parameters. Where one bend of a static curve could stand in its place, each could; not in that
+    of one that another axis turns. Nor is what becomes another with time the same as what doesn't.
     """
     distinct = by_names(choices)
     weights = weights_of(distinct)
@@ -63,7 +63,7 @@ def standing(name: str, best: Choice, choices: list[Choice], problem: Problem) -
                 looks_so = sorted({*looks_so, *other})
         elif swapped and gap < RIVAL_GAP and mistaken_for(other, choice) == {name}:
             looks_so = sorted(other)
-            gaps |= dict.fromkeys(other, gap) if gap < 0.0 else {}
+            gaps |= dict.fromkeys(other, gap) if gap < 0.0 and name not in limits(choice) else {}
     tied = [n for n, gap in gaps.items() if gap < TIE]
     own = [p for p in best.fit.pieces if p.term.name == name]
     steady = not any(p.term.goes_by or p.term.evolves for p in own)
