@@ -142,13 +142,12 @@ def rivals_of(hypotheses: Sequence[Hypothesis]) -> list[Hypothesis]:
     """
     likely = [h for h in hypotheses if h.probability >= LEAST_PROBABILITY and h.names]
     least = [h for h in likely if not any(set(o.names) < set(h.names) for o in likely)]
-    fullest = [
-        max(
-            (o for o in likely if [h] == [k for k in least if set(k.names) <= set(o.names)]),
-            key=lambda o: o.probability,
-        )
-        for h in least
-    ]
+    fullest = []
+    for one in least:
+        rest = [set(h.names) for h in least if h.names != one.names]
+        more = [h for h in likely if set(h.names) > set(one.names)]
+        own = [h for h in more if not any(names <= set(h.names) for names in rest)]
+        fullest.append(max([one, *own], key=lambda h: h.probability))
     return sorted(fullest, key=lambda h: -h.probability)[:MOST_RIVALS]
 
 

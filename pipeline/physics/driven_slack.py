@@ -3,13 +3,31 @@
 from typing import ClassVar
 
 import numpy as np
+from numba import njit
 
 from pipeline.physics.backlash import BEHIND_JOINT, Backlash
 from pipeline.physics.compliance import Compliance
 from pipeline.physics.motion import Motion
 from pipeline.physics.term import NO_STATE, Parameter, Shown, Surroundings, Term
 
+FAR = 40.0  # from an end, in roundings: nothing of that is left
 OFF_HOME, DRIVEN, AHEAD, JOINT = "off home", "driven", "ahead of play", "of the joint"
+
+
+@njit(cache=True, error_model="numpy")
+def taken_up(signal, centre, half, rounding, kept):  # type: ignore[no-untyped-def]
+    """The drive (n,) less what slack about a centre takes up of it, as `DrivenSlack` says."""
+    out = np.empty(signal.size)
+    for i in range(signal.size):
+        lost = -half
+        for side in (1.0, -1.0):
+            off = (signal[i] - centre + side * half) / rounding
+            up = max(off, 0.0)
+            if abs(off) < FAR:
+                up += np.log1p(np.exp(-abs(off)))
+            lost += side * rounding * up
+        out[i] = signal[i] - (1.0 - kept) * lost
+    return out
 
 
 class DrivenSlack(Term):
@@ -74,10 +92,8 @@ class DrivenSlack(Term):
         self, signal: np.ndarray, motion: Motion, values: np.ndarray, state: np.ndarray | None
     ) -> tuple[np.ndarray, np.ndarray]:
         width, rounding, kept, *centre = values
-        off, half = signal - (centre[0] if centre else 0.0), 0.5 * width
-        taken_up = np.logaddexp(0.0, (off + half) / rounding)
-        taken_up -= np.logaddexp(0.0, (off - half) / rounding)
-        return signal - (1.0 - kept) * (rounding * taken_up - half), NO_STATE
+        asked, middle = np.ascontiguousarray(signal), float(centre[0]) if centre else 0.0
+        return taken_up(asked, middle, float(0.5 * width), float(rounding), float(kept)), NO_STATE
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
         span, low, _ = self.signal(around)

@@ -3,7 +3,7 @@
 import numpy as np
 
 from pipeline.number_words import worded
-from pipeline.physics.held import uneven
+from pipeline.physics.held import STEP_AND_WAIT_S, uneven
 from pipeline.physics.motion import Motion
 from pipeline.physics.term import Parameter, Surroundings, Term
 
@@ -11,7 +11,7 @@ OLD = "force"
 MOST_ROWS, MOST_S = 10.0, 0.5
 QUICKEST, LONGEST = 0.02, 2.0
 MOVES = ((0.1, 1.5), (0.4, 3.0), (1.0, 5.0))
-LEAST = 2.0
+LEAST, OF_CYCLE = 2.0, 0.08
 
 
 class FrameLag(Term):
@@ -39,8 +39,8 @@ class FrameLag(Term):
         if self.form == "frames":
             return (Parameter("lag", "frames", 0.0, MOST_ROWS, 1.0, 1.0),)
         dwell = max(around.dwell_s, 1e-9)
-        least, most = LEAST * dwell if self.form == OLD else 0.0, max(MOST_ROWS * dwell, MOST_S)
-        lag = Parameter("lag", "s", least, most, max(dwell, least), dwell)
+        least, most = LEAST * dwell if self.form == OLD else 0.0, longest_s(around)
+        lag = Parameter("lag", "s", least, max(MOST_ROWS * dwell, most), max(dwell, least), dwell)
         if self.form in ("time", OLD):
             return (lag,)
         quickest, longest = QUICKEST * dwell, LONGEST * dwell
@@ -70,7 +70,7 @@ class FrameLag(Term):
             rows = [[lag, m] for m, most in MOVES for lag in np.arange(0.5 * m, most, 0.5 * m)]
             return dwell * np.array(rows)
         shares = [0.3, 1.0, 2.0, 4.0] if self.form != OLD else [3.0]
-        while 2.0 * shares[-1] * dwell < MOST_S:
+        while 2.0 * shares[-1] * dwell < longest_s(around):
             shares.append(2.0 * shares[-1])
         return dwell * np.array(shares)[:, None]
 
@@ -82,6 +82,15 @@ class FrameLag(Term):
     def excited(self, motion: Motion, around: Surroundings) -> bool:
         moves = around.drive_span > 0.0 and around.dwell_s > 0.0
         return moves and (self.form in ("time", OLD) or uneven(motion.time_s))
+
+
+def longest_s(around: Surroundings) -> float:
+    """How old a frame may be [s], however finely sampled: of a motion that goes on, of its cycle.
+
+    Of one that steps and waits samples are the measure.
+    """
+    goes_on = around.dwell_s < STEP_AND_WAIT_S
+    return max(MOST_S, OF_CYCLE * around.period_s) if goes_on else MOST_S
 
 
 NO_ROWS = np.zeros(0)

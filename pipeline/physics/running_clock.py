@@ -15,8 +15,8 @@ class RunningClock(FrameLag):
     """seen(t) = theta(t - lag - rate (t - t_0)), straight between samples, t_0 the first time.
 
     As where one machine stamps the commands and another one the frames. Where the rate is negative
-    the sensor runs ahead; of what comes after the last sample it shows that. Source: offset and
-    skew of two clocks, Paxson, SIGMETRICS (1998).
+    the sensor runs ahead; after the last sample it all goes on at the speed that it had. Source:
+    offset and skew of two clocks, Paxson, SIGMETRICS (1998).
     """
 
     form = "clock"
@@ -39,7 +39,9 @@ class RunningClock(FrameLag):
         kept_time, kept = (NO_ROWS, NO_ROWS) if state is None else np.split(state[1:], 2)
         time, poses = np.concatenate([kept_time, motion.time_s]), np.concatenate([kept, signal])
         late_s = values[0] + values[1] * (motion.time_s - began_s)
-        seen = np.interp(motion.time_s - late_s, time, poses)
+        asked_s = motion.time_s - late_s
+        speed = (poses[-1] - poses[-2]) / (time[-1] - time[-2]) if len(time) > 1 else 0.0
+        seen = np.interp(asked_s, time, poses) + speed * np.maximum(asked_s - time[-1], 0.0)
         first = max(int(np.searchsorted(time, time[-1] - max(late_s[-1], 0.0))) - 1, 0)
         return seen, np.concatenate([[began_s], time[first:], poses[first:]])
 

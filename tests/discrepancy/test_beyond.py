@@ -7,11 +7,21 @@ from pipeline.discrepancy.judgement.hum import hum
 from pipeline.discrepancy.judgement.structure import JERKS, SWINGS
 from pipeline.physics.kinematics import CubicCurve
 from pipeline.physics.play_operator import play, varying_play
+from pipeline.physics.running_clock import RunningClock
 from pipeline.physics.single_bump import SingleBump
 from pipeline.physics.worn_play import WornPlay
 from pipeline.physics.yielding_wire import YieldingWire
 from pipeline.recording import Recording
-from tests.discrepancy.made import ANGLE, NOISE, SIMULATED, changed, diagnosed, names, recorded
+from tests.discrepancy.made import (
+    ANGLE,
+    NOISE,
+    SIMULATED,
+    changed,
+    diagnosed,
+    followed,
+    names,
+    recorded,
+)
 
 SHAPES = {
     "wide at two places": lambda u: 1.5 + 4.0 * np.exp(-(((np.abs(u) - 28.0) / 10.0) ** 2)),
@@ -172,3 +182,34 @@ def test_noise_does_not_hum_along_any_way(seed):
     turns = 50.0 * np.sin(np.arange(1200) / 17.0)
     for along in (turns, np.cumsum(np.abs(np.diff(turns, prepend=0.0))), np.round(turns)):
         assert not hum(rng.standard_normal(1200), along)[0]
+
+
+@pytest.mark.parametrize("rate", [0.004, -0.003])
+def test_two_clocks_that_run_at_different_rates_are_one_name_and_more_than_that(rate):
+    """Before, a loop that seems to grow was told as tension that is lost."""
+    time_s = 0.02 * np.arange(1500)
+    there_s = (1.0 - rate) * time_s
+    seen = 30.3 * np.sin(np.pi * there_s) + 0.3
+    seen += 0.05 * np.random.default_rng(1).standard_normal(len(seen))
+    drive = 30.0 * np.sin(np.pi * time_s)
+    (found,) = diagnosed(followed(time_s, drive, seen, 0.5)).diagnoses
+    assert found.verdict == "partly_explained"
+    (physics,) = found.physics
+    assert physics.name == "frame_lag"
+    told = {p.name: p for p in physics.parameters}["rate"]
+    assert told.low < rate < told.high
+    assert told.value == pytest.approx(rate, rel=0.02)
+    assert found.after.heldout_rmse < 0.05 * found.before.heldout_rmse
+    if rate > 0.0:
+        assert found.unexplained.where == RunningClock.beyond
+
+
+def test_a_lag_that_stays_is_no_matter_of_two_clocks():
+    time_s = 0.02 * np.arange(1500)
+    seen = 30.3 * np.sin(np.pi * (time_s - 0.05)) + 0.3
+    seen += 0.05 * np.random.default_rng(2).standard_normal(len(seen))
+    recording = followed(time_s, 30.0 * np.sin(np.pi * time_s), seen, 0.5)
+    (found,) = diagnosed(recording).diagnoses
+    assert found.verdict in {"explained", "ambiguous"}
+    (physics,) = found.physics
+    assert "frame_lag" in {physics.name, *physics.alternatives}

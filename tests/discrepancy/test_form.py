@@ -11,7 +11,7 @@ from pipeline.discrepancy.judgement.form import names_of_form, one_for_many
 from pipeline.physics.catalogue import term
 from pipeline.physics.mechanism import Piece
 from pipeline.stages.diagnosis import diagnose
-from tests.discrepancy.made import explained, recorded
+from tests.discrepancy.made import SIMULATED, changed, explained, followed, recorded
 
 RIPPLE = term("transmission_ripple")
 
@@ -58,3 +58,27 @@ def test_one_name_that_leaves_hardly_more_is_told_instead_of_a_pile(amplitude, a
     assert told is (single if alone else pile)
     both = replace(pile, fit=evaluate(single.fit.ground, pieces[:2]))
     assert one_for_many(found, both) is both
+
+
+@pytest.mark.parametrize(("moves", "late_s", "formal"), [
+    (True, 0.004, {"frame_lag"}), (True, 0.03, set()), (False, 0.004, set()),
+], ids=["moving", "moving, later", "a curve"])  # fmt: skip
+def test_a_little_lag_is_form_beside_a_simulation_that_moves_by_itself(moves, late_s, formal):
+    time_s = 0.02 * np.arange(1500)
+    drive = 30.0 * np.sin(np.pi * time_s)
+    told = 29.0 * np.sin(np.pi * time_s - 0.3) if moves else drive
+    play = Piece(term("backlash"), np.array([6.0]))
+    late = Piece(term("frame_lag", "time"), np.array([late_s]))
+    seen = np.interp(time_s - late_s, time_s, held_back(told, 3.0))
+    seen += 0.3 * np.random.default_rng(5).standard_normal(len(seen))
+    found = explained(changed(followed(time_s, drive, seen, 0.5), **{SIMULATED: told}))
+    assert found.problem.static is not moves
+    fit = improve(evaluate(found.choices[0].fit.ground, [play, late]))
+    assert set(names_of_form(found, replace(found.choices[0], fit=fit))) == formal
+
+
+def held_back(signal, half):
+    out, last = np.empty_like(signal), signal[0]
+    for k, value in enumerate(signal):
+        out[k] = last = min(max(last, value - half), value + half)
+    return out
