@@ -173,6 +173,9 @@ def humming(explanation: Explanation, choice: Choice) -> Sign | None:
     """A frequency that holds much of the innovations: in time; of an angle in travel or itself."""
     problem, ground = explanation.problem, choice.fit.ground
     used, drive = ground.used, problem.motion.drive
+    rest = choice.fit.innovations
+    if problem.derivatives is not None:
+        rest = forgetting(rest)
     travel = np.cumsum(np.abs(np.diff(drive, prepend=drive[:1])))[used]
     places = (
         ("in time", "s", problem.motion.time_s[used]),
@@ -180,11 +183,17 @@ def humming(explanation: Explanation, choice: Choice) -> Sign | None:
         ("in the angle", problem.around.angle_unit, choice.fit.predicted[used]),
     )
     for where, unit, along in places if problem.derivatives is None else places[:1]:
-        hums, share, period = hum(choice.fit.innovations, along)
+        hums, share, period = hum(rest, along)
         if hums:
             told = f"a hum {where}, again and again every {worded(period)} {unit}"
             return Sign(told, float(np.sqrt(share)) * ground.noise.deviation, CHANCE)
     return None
+
+
+def forgetting(rest: np.ndarray) -> np.ndarray:
+    """A rest (k,) without what each sample has of the one before: a force's noise is correlated."""
+    before = np.concatenate([[0.0], rest[:-1]])
+    return rest - float(before @ rest) / max(float(before @ before), 1e-300) * before
 
 
 def recurring(explanation: Explanation, choice: Choice) -> Sign | None:
