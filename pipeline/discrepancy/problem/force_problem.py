@@ -6,12 +6,7 @@ import numpy as np
 
 from pipeline.config import DiagnosisConfig
 from pipeline.discrepancy.problem.fitted import goes_by, tolerance_of_fit, tolerance_of_rigid
-from pipeline.discrepancy.problem.problem import (
-    MOST_ROWS,
-    Problem,
-    held_out_rows,
-    refuse_unfit,
-)
+from pipeline.discrepancy.problem.problem import Problem, held_out_rows, refuse_unfit
 from pipeline.discrepancy.problem.rows import Averaged
 from pipeline.discrepancy.problem.stale import NONE_STALE, hung_samples
 from pipeline.physics.force_motion import force_motion
@@ -23,7 +18,7 @@ from pipeline.recording import Recording
 
 TOP, HARDLY = 0.99, 1e-6
 ROWS_A_PERIOD = 2.5
-FEWEST_ROWS = 400
+FEWEST_ROWS, MOST_ROWS = 400, 3000
 
 
 def pose_force_problem(
