@@ -400,6 +400,21 @@ def test_a_simulated_mass_is_asked_for_again_when_predicting(damper):
         with_simulations(config, bare, [model])
 
 
+@pytest.mark.parametrize("hidden", [False, True])
+def test_a_hum_in_a_force_is_no_noise(hidden):
+    t, x, rng = motion(6)
+    simulated = 900.0 * x
+    noise = rng.normal(0.0, 0.5, len(t))
+    seen = simulated + noise + (0.8 * np.sin(2.0 * np.pi * 19.7 * t) if hidden else 0.0)
+    channel = Channel("force_sim_n", "simulation", "N", of="force_n")
+    recorded = recording(x, seen).with_channel(channel, simulated)
+    (found,) = diagnose(DiagnosisConfig(), recorded).diagnoses
+    assert found.verdict == ("unknown_physics" if hidden else "no_mismatch")
+    assert not found.physics
+    if hidden:
+        assert "a hum in time, again and again every 0.0508" in found.unexplained.where
+
+
 @pytest.mark.parametrize("seed", [1, 3, 4])
 def test_noise_that_lasts_is_no_mismatch_of_a_short_recording(seed):
     rng = np.random.default_rng(seed)

@@ -196,6 +196,31 @@ def test_rivals_that_only_add_a_name_do_not_compete() -> None:
     assert next_experiment(evidence_of(one, plain()), "explained") is None
 
 
+def test_the_likelier_of_a_rival_and_what_only_adds_to_it_stands_for_both() -> None:
+    drift = Piece(term("drift", "cycle"), np.array([0.1]))
+    fuller, plainer = rival(0.6, CREEP, drift), rival(0.1, CREEP)
+    both = rival(0.25, CREEP, FRICTION)
+    assert rivals_of([fuller, plainer]) == [fuller]
+    assert rivals_of([fuller, both, rival(0.05, FRICTION), plainer]) == [
+        fuller, rival(0.05, FRICTION)
+    ]  # fmt: skip
+
+
+def test_a_block_has_to_decide_between_all_forms_of_its_rivals() -> None:
+    """Creep that the stress helps is nearly as indifferent to dwell as friction."""
+    helped = Piece(term("creep", "activated"), np.array([0.1, 5000.0, 0.2]))
+    creep = rival(0.6, CREEP)
+    forms = replace(creep, forms=(Mechanism(pieces=(helped,)),))
+    friction = rival(0.4, Piece(FRICTION.term, np.array([0.3, 1.4, 0.7])))
+    plainly, wholly = proposed(creep, friction), proposed(forms, friction)
+    assert plainly.power is not None
+    assert wholly.power is not None
+    assert wholly.power < plainly.power
+    assert wholly.commands is not None
+    assert plainly.commands is not None
+    assert len(wholly.commands) > len(plainly.commands)
+
+
 def test_that_nothing_may_be_left_out_silences_no_rival() -> None:
     hypotheses = [rival(0.4, CREEP), rival(0.35, FRICTION), rival(0.25)]
     assert [h.names for h in rivals_of(hypotheses)] == [("creep",), ("friction",)]

@@ -45,6 +45,15 @@ def test_friction_sharper_than_a_step_may_be_what_looks_like_play(ground, score,
     assert found.tied == (score < 0.0)
 
 
+def test_friction_that_can_be_no_sharper_is_no_tie_of_play_however_well_it_fits(ground):
+    (_, reach, *_) = term("friction").parameters(ground.problem.around)
+    play = chosen(ground, 0.0, backlash=[2.0])
+    sharpest = chosen(ground, -3.0, friction=[1.4, reach.low, 0.0])
+    found = standing("backlash", play, [play, sharpest], ground.problem)
+    assert "friction" in found.alternatives
+    assert not found.tied
+
+
 def test_what_may_be_play_may_be_friction_but_play_by_itself_says_whether_it_is_sharp():
     """At one dwell and one step; the paper's cycles."""
     problem = posed(recorded({}))
