@@ -98,3 +98,14 @@ def test_what_a_simulated_force_goes_by_is_told_beside_its_spring(friction, mass
     force = 800.0 * x + friction * v + mass * a
     motion = Motion(x, time_s, np.zeros(N, dtype=int), kinetics=Kinetics(v, a, force))
     assert goes_by(motion) == (friction > 0.0, mass > 0.0)
+
+
+def test_a_simulated_force_that_stays_the_same_goes_by_nothing() -> None:
+    """Its variance is that of rounding, which any column of numbers tells a share of."""
+    time_s = np.arange(N) / 100.0
+    x = 0.05 * np.sin(2.0 * time_s) + 0.02 * np.sin(7.0 * time_s)
+    v, a = np.gradient(x, time_s), np.gradient(np.gradient(x, time_s), time_s)
+    constant = np.full(N, -6.304765)
+    constant[::7] += 1e-15
+    motion = Motion(x, time_s, np.zeros(N, dtype=int), kinetics=Kinetics(v, a, constant))
+    assert goes_by(motion) == (False, False)

@@ -400,6 +400,31 @@ def test_a_simulated_mass_is_asked_for_again_when_predicting(damper):
         with_simulations(config, bare, [model])
 
 
+def test_a_valve_that_differs_by_direction_is_no_dry_friction():
+    """Below a power of 1 its force rises steeply from rest, as dry friction does."""
+    t, x, rng = motion(8)
+    v = CubicSpline(t, x)(t, 1)
+    force = np.where(v > 0.0, 46.0, 34.0) * np.sign(v) * np.abs(v) ** 0.8
+    measured = force + rng.normal(0.0, 0.1, len(t))
+    (found,) = diagnose(DiagnosisConfig(), seen_in_steps(x, measured)).diagnoses
+    assert [p.name for p in found.physics] == ["viscous_friction"]
+    told = parameters(found)
+    assert told["viscous_friction.exponent"].value == pytest.approx(0.8, abs=0.02)
+    assert told["viscous_friction.asymmetry"].value == pytest.approx(0.15, abs=0.02)
+    assert found.after.heldout_rmse < 0.12
+
+
+def test_a_spring_and_dashpot_that_were_already_moving_are_one_damper():
+    t, x, rng = motion(9)
+    force = relaxed(x, 1500.0, 0.5)[800:] + rng.normal(0.0, 0.3, len(t) - 800)
+    (found,) = diagnose(DiagnosisConfig(), seen_in_steps(x[800:], force)).diagnoses
+    assert [p.name for p in found.physics] == ["viscous_friction"]
+    assert {"creep", "response_lag"} <= set(found.physics[0].alternatives)
+    told = parameters(found)
+    assert told["viscous_friction.relaxation"].value == pytest.approx(0.5, rel=0.1)
+    assert found.after.heldout_rmse < 0.33
+
+
 @pytest.mark.parametrize("hidden", [False, True])
 def test_a_hum_in_a_force_is_no_noise(hidden):
     t, x, rng = motion(6)

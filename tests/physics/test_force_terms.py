@@ -123,17 +123,32 @@ def test_a_force_behind_a_lag_follows_a_sine_late(time_constant_s):
 @pytest.mark.parametrize("relaxation_s", [0.003, 0.2])
 def test_a_damper_behind_a_spring_follows_a_sine_as_maxwell_says(relaxation_s):
     m = swing()
-    force = answer("viscous_friction", "sprung", [3.0, relaxation_s], m)
+    force = answer("viscous_friction", "sprung", [3.0, relaxation_s, 0.0], m)
     w = 2.0 * np.pi
     lag = np.arctan(w * relaxation_s)
     expected = 0.3 * w * np.cos(lag) * np.cos(w * m.time_s - lag)
     np.testing.assert_allclose(force[2000:], expected[2000:], atol=5e-3 * 0.3 * w)
 
 
+def test_a_valve_may_hold_back_more_one_way_than_the_other():
+    m = swing()
+    v = m.kinetics.velocity
+    force = answer("viscous_friction", "asymmetric power", [3.0, 0.2, 0.5], m)
+    expected = np.where(v > 0.0, 3.6, 2.4) * np.sign(v) * np.sqrt(np.abs(v))
+    np.testing.assert_allclose(force, expected, atol=1e-9)
+
+
+def test_a_damper_that_was_already_moved_lets_go_of_what_its_spring_holds():
+    m = swing()
+    at_rest, moved = (answer("viscous_friction", "sprung", [3.0, 0.2, b], m) for b in (0.0, 0.5))
+    gone = 3.0 * 0.5 * np.exp(-(m.time_s - m.time_s[0]) / 0.2)
+    np.testing.assert_allclose(moved - at_rest, gone, atol=1e-9)
+
+
 def test_a_late_damper_lacks_what_the_same_one_behind_a_spring_does_not_resist():
     m = swing()
-    late = answer("response_lag", "damper", [3.0, 0.2], m)
-    sprung = answer("viscous_friction", "sprung", [3.0, 0.2], m)
+    late = answer("response_lag", "damper", [3.0, 0.2, 0.4], m)
+    sprung = answer("viscous_friction", "sprung", [3.0, 0.2, 0.4], m)
     np.testing.assert_allclose(late, sprung - 3.0 * m.kinetics.velocity, atol=1e-9)
     assert not LATE_DAMPER.excited(m, AROUND)
     assert LATE_DAMPER.excited(m, replace(AROUND, resisting=True))

@@ -13,7 +13,7 @@ CUBIC = 2
 LOOSE_GAIN = 3.0
 LEAST_JUMP, RIGID = 1e-3, 0.9
 MOVING, TOP = 0.05, 0.99
-LEAST_TOLD = 1e-3
+LEAST_TOLD, ROUNDING = 1e-3, 1e-7
 
 
 def tolerance_of_fit(
@@ -91,7 +91,8 @@ def tolerance_of_rigid(declared: ToleranceConfig, motion: Motion) -> ToleranceCo
 def goes_by(motion: Motion) -> tuple[bool, bool]:
     """Whether some of a simulated force goes by the speed, as friction does, and by acceleration.
 
-    Either tells LEAST_TOLD of the force's variance beside the other and powers of the position.
+    Either tells LEAST_TOLD of the force's variance beside the other and powers of the position. One
+    that stays the same, but for rounding, goes by neither.
     """
     kinetics = motion.kinetics
     assert kinetics is not None
@@ -103,7 +104,8 @@ def goes_by(motion: Motion) -> tuple[bool, bool]:
     without = [
         variance_left(simulated, np.column_stack([*law, *rest])) for rest in (inertia, friction)
     ]
-    least = LEAST_TOLD * float(np.var(simulated))
+    rounding = (ROUNDING * float(np.max(np.abs(simulated)))) ** 2
+    least = max(LEAST_TOLD * float(np.var(simulated)), rounding)
     return without[0] - every > least, without[1] - every > least
 
 
