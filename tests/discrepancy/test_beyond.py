@@ -184,10 +184,10 @@ def test_noise_does_not_hum_along_any_way(seed):
         assert not hum(rng.standard_normal(1200), along)[0]
 
 
-@pytest.mark.parametrize("rate", [0.004, -0.003])
+@pytest.mark.parametrize("rate", [0.006, -0.003])
 def test_two_clocks_that_run_at_different_rates_are_one_name_and_more_than_that(rate):
     """Before, a loop that seems to grow was told as tension that is lost."""
-    time_s = 0.02 * np.arange(1500)
+    time_s = 0.02 * np.arange(700)
     there_s = (1.0 - rate) * time_s
     seen = 30.3 * np.sin(np.pi * there_s) + 0.3
     seen += 0.05 * np.random.default_rng(1).standard_normal(len(seen))
