@@ -1,6 +1,7 @@
 """Coupling: another axis's command moves this one."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 
@@ -44,13 +45,14 @@ class Coupling(Term):
     slips besides. drag = -gain is a coupling through a wire that has play itself, gain = 0 a
     coupling by that wire's friction alone. Form "channel/late": what it drags along until it has
     relaxed. In the balance, so that friction, slack and contact answer to it; a free joint moves by
-    as much, times the slope of its curve there over the mean one: the wires are pulled. Form
-    "channel/torque" is a load on the joint itself, which moves a free one by as much wherever it
-    is. Form "channel/direct" is none: what the joint stands on is turned by as much; so it is, by a
-    wire that drags, in forms "channel/play/direct" and "channel/late/direct". Beside each of these
-    may stand the forms "channel/rate", what the other axis drags along by its speed, and
-    "channel/lever": it changes this one's gain, which is no load either. See `coupling_ways.py`.
-    Source: wires of one joint that run through another, first two terms of the power series.
+    as much, times the slope of its curve there over the mean one: the wires are pulled. It is told
+    as it is at home. Form "channel/torque" is a load on the joint itself, which moves a free one by
+    as much wherever it is. Form "channel/direct" is none: what the joint stands on is turned by as
+    much; so it is, by a wire that drags, in forms "channel/play/direct" and "channel/late/direct".
+    Beside each of these may stand the forms "channel/rate", what the other axis drags along by its
+    speed, and "channel/lever": it changes this one's gain, which is no load either. See
+    `coupling_ways.py`. Source: wires of one joint that run through another, first two terms of the
+    power series.
     """
 
     name = "coupling"
@@ -98,7 +100,9 @@ class Coupling(Term):
             Parameter("bend", f"{scale.unit}^2", -bend, bend, 0.0, 0.02 * bend, measured=True),
         )
         besides = () if self.way is None else self.way.parameters(scale)
-        return (*own, *besides) if self.pushes else besides
+        told = (*own, *besides) if self.pushes else besides
+        pulls = self.in_balance and not self.form.endswith(TORQUE)
+        return tuple(replace(p, at_home=pulls and p.measured) for p in told)
 
     def told(self, values: np.ndarray, motion: Motion) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """The other axis's command from its zero, what gain and bend make of it, the way's values.

@@ -30,7 +30,8 @@ class Parameter:
     held near its start and no choice charges for it. relative: it may lie anywhere over decades, so
     that its slope is taken over a share of its value. measured: it is a size in the measurement
     itself, and is told with the calibration's gain in it. at_drive: it is a size of the drive, and
-    is told, in `unit`, as what a joint of the curve's mean slope makes of it.
+    is told, in `unit`, as what a joint of the curve's mean slope makes of it. at_home: it moves the
+    joint by more where the curve is steeper, and is told as it is where the drive is at 0.
     """
 
     name: str
@@ -44,6 +45,7 @@ class Parameter:
     relative: bool = False
     measured: bool = False
     at_drive: bool = False
+    at_home: bool = False
 
 
 @dataclass(frozen=True)

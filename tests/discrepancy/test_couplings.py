@@ -1,11 +1,12 @@
 """Another axis that changes a joint's gain, drags it along by its speed, or turns its weight."""
 
+import numpy as np
 import pytest
 
 from pipeline.config import DiagnosisConfig
 from pipeline.discrepancy.model.result import Diagnosis
 from pipeline.stages.diagnosis import diagnose
-from tests.discrepancy.made import NOISE, recorded
+from tests.discrepancy.made import ANGLE, NOISE, SIMULATED, changed, recorded
 
 YAW = "yaw_command_deg"
 
@@ -44,6 +45,25 @@ def test_a_gain_that_changes_beside_a_push_is_the_same_coupling():
     told = {p.name: p.value for p in physics.parameters}
     assert told[f"gain of {YAW}"] == pytest.approx(0.102, rel=0.1)
     assert told[f"lever of {YAW}"] == pytest.approx(0.002, rel=0.15)
+
+
+def test_wires_that_another_axis_pulls_are_told_by_what_they_do_at_home():
+    """Where the curve has a slope of 0.7, as steep again by a quarter as it is on the whole."""
+    seen = recorded({}, two_axes=True)
+    drive, other = (seen.values(c) for c in ("pitch_command_deg", YAW))
+
+    def curve(at):
+        return at * (0.7 - 5e-5 * at**2)
+
+    pulled = 1.02 * curve(drive + 0.1 / 0.7 * other)
+    noise = NOISE * np.random.default_rng(8).standard_normal(len(drive))
+    bent = changed(seen, **{ANGLE: pulled + noise, SIMULATED: curve(drive)})
+    (found,) = diagnose(DiagnosisConfig(), bent).diagnoses
+    (physics,) = found.physics
+    assert physics.name == "coupling"
+    gain = physics.parameters[0]
+    assert gain.low < 0.102 < gain.high
+    assert gain.high - gain.low < 0.01
 
 
 def test_a_coupling_that_comes_late_draws_no_other_name():

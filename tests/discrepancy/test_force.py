@@ -400,20 +400,6 @@ def test_a_simulated_mass_is_asked_for_again_when_predicting(damper):
         with_simulations(config, bare, [model])
 
 
-def test_a_valve_that_differs_by_direction_is_no_dry_friction():
-    """Below a power of 1 its force rises steeply from rest, as dry friction does."""
-    t, x, rng = motion(8)
-    v = CubicSpline(t, x)(t, 1)
-    force = np.where(v > 0.0, 46.0, 34.0) * np.sign(v) * np.abs(v) ** 0.8
-    measured = force + rng.normal(0.0, 0.1, len(t))
-    (found,) = diagnose(DiagnosisConfig(), seen_in_steps(x, measured)).diagnoses
-    assert [p.name for p in found.physics] == ["viscous_friction"]
-    told = parameters(found)
-    assert told["viscous_friction.exponent"].value == pytest.approx(0.8, abs=0.02)
-    assert told["viscous_friction.asymmetry"].value == pytest.approx(0.15, abs=0.02)
-    assert found.after.heldout_rmse < 0.12
-
-
 def test_a_spring_and_dashpot_that_were_already_moving_are_one_damper():
     t, x, rng = motion(9)
     force = relaxed(x, 1500.0, 0.5)[800:] + rng.normal(0.0, 0.3, len(t) - 800)

@@ -130,14 +130,6 @@ def test_a_damper_behind_a_spring_follows_a_sine_as_maxwell_says(relaxation_s):
     np.testing.assert_allclose(force[2000:], expected[2000:], atol=5e-3 * 0.3 * w)
 
 
-def test_a_valve_may_hold_back_more_one_way_than_the_other():
-    m = swing()
-    v = m.kinetics.velocity
-    force = answer("viscous_friction", "asymmetric power", [3.0, 0.2, 0.5], m)
-    expected = np.where(v > 0.0, 3.6, 2.4) * np.sign(v) * np.sqrt(np.abs(v))
-    np.testing.assert_allclose(force, expected, atol=1e-9)
-
-
 def test_a_damper_that_was_already_moved_lets_go_of_what_its_spring_holds():
     m = swing()
     at_rest, moved = (answer("viscous_friction", "sprung", [3.0, 0.2, b], m) for b in (0.0, 0.5))

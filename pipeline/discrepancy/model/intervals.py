@@ -7,6 +7,7 @@ from pipeline.discrepancy.fitting.fit import Fit, parameters_of
 from pipeline.discrepancy.fitting.moments import moments, moments_of, moved
 from pipeline.discrepancy.model.result import Estimate
 from pipeline.discrepancy.noise.family import NoiseFamily, Place
+from pipeline.discrepancy.problem.problem import Problem
 from pipeline.physics.mechanism import Piece
 from pipeline.physics.term import Parameter
 from pipeline.recording import branch_of
@@ -17,6 +18,7 @@ PATIENCE = 6
 NEGLIGIBLE = 0.01
 STRETCHES = 12
 LONGEST_MOVE = 0.2
+NEAR_HOME, STEEPEST = 0.05, 2.0
 
 
 def covariance_of(fit: Fit) -> np.ndarray:
@@ -102,7 +104,22 @@ def told_per(fit: Fit, parameter: Parameter) -> float:
     around = fit.ground.problem.around
     if parameter.at_drive:
         return around.angle_span / max(around.drive_span, 1e-300)
-    return float(fit.nuisance[0]) if parameter.measured else 1.0
+    gain = float(fit.nuisance[0]) if parameter.measured else 1.0
+    return gain * steepness(fit.ground.problem) if parameter.at_home else gain
+
+
+def steepness(problem: Problem) -> float:
+    """Slope of the nominal curve where the drive is at 0 over its mean slope.
+
+    1 where the drive does not pass 0, and where the curve as good as stands still there, or leaps.
+    """
+    curve, around = problem.curve, problem.around
+    near = NEAR_HOME * around.drive_span
+    if not around.drive_low + near < 0.0 < around.drive_low + around.drive_span - near:
+        return 1.0
+    below, above = curve(np.array([-near, near]))
+    found = float(above - below) / (2.0 * near * curve.slope)
+    return found if 1.0 / STEEPEST < found < STEEPEST else 1.0
 
 
 def estimates(fit: Fit, covariance: np.ndarray) -> list[tuple[Piece, tuple[Estimate, ...]]]:
@@ -116,7 +133,8 @@ def estimates(fit: Fit, covariance: np.ndarray) -> list[tuple[Piece, tuple[Estim
             scale = told_per(fit, p)
             variance = scale**2 * covariance[k, k]
             if p.measured:
-                variance += value**2 * covariance[0, 0] + 2.0 * scale * value * covariance[0, k]
+                by_gain = value * (steepness(fit.ground.problem) if p.at_home else 1.0)
+                variance += by_gain**2 * covariance[0, 0] + 2.0 * scale * by_gain * covariance[0, k]
             if p.unit == "s" and piece.term.site != "sensor":
                 variance += arrival_s(fit.ground.problem.around.dwell_s, float(value)) ** 2
             if p.moment:
