@@ -29,7 +29,6 @@ from pipeline.recording import Recording
 HELD_OUT_EVERY = 3
 STATIC_ERROR = 2e-3
 FEWEST_SAMPLES = 40
-MOST_ROWS = 6000  # a recording and the block that it asked for, run twice
 MIXED = 0.05
 
 

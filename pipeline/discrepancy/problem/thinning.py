@@ -4,33 +4,41 @@ from dataclasses import replace
 
 import numpy as np
 
-from pipeline.discrepancy.problem.problem import MOST_ROWS, Problem
+from pipeline.discrepancy.problem.problem import Problem
 from pipeline.discrepancy.problem.repeats import same_motions
 from pipeline.discrepancy.problem.rows import Picked, turned_between
 from pipeline.recording import reversals_of
 
+WHOLE = 6000  # rows: of a recording and the block that it asked for, run twice
+MOST_ROWS = 3000
 ALIKE = 4
 MOST_SAMPLES, SEARCHED = 60_000, 12_000
 STANDS_OUT = 1e-3
 
 
 def thinned(problem: Problem, whole: bool = False) -> tuple[Problem, int]:
-    """At most about MOST_ROWS rows to fit on, every k-th and all reversals; and k.
+    """The rows to fit on, and k: up to WHOLE all, of more every k-th and all reversals.
 
-    At most about MOST_SAMPLES samples stand behind them for terms that go by time. Rows after the
-    last one to fit on tell a fit nothing and are left out, unless the whole is asked for.
+    These are at most about MOST_ROWS. At most about MOST_SAMPLES samples stand behind them for
+    terms that go by time. Rows after the last one to fit on tell a fit nothing and are left out,
+    unless the whole is asked for.
     """
     if not whole:
         problem = problem.rows(np.arange(np.flatnonzero(problem.train)[-1] + 1))
-    every = -(-len(problem.motion) // MOST_ROWS)
-    if every == 1:
+    if len(problem.motion) <= WHOLE:
         return problem, 1
-    every = -(-int(np.isfinite(problem.measured).sum()) // MOST_ROWS)
+    every = spacing(problem)
     coarse = -(-len(problem.motion) // MOST_SAMPLES)
     fine = problem.rows(every_kth(problem, coarse)) if coarse > 1 else problem
-    keep = every_kth(fine, -(-int(np.isfinite(fine.measured).sum()) // MOST_ROWS))
+    keep = every_kth(fine, spacing(fine))
     turned = turned_between(fine.motion, keep, STANDS_OUT)
     return replace(fine.rows(keep), picked=Picked(fine.motion, keep, turned)), every
+
+
+def spacing(problem: Problem) -> int:
+    """Of how many measured rows one is fitted."""
+    count = int(np.isfinite(problem.measured).sum())
+    return 1 if count <= WHOLE else -(-count // MOST_ROWS)
 
 
 def sparser(problem: Problem) -> Problem:
