@@ -231,6 +231,13 @@ def test_cycles_still_repeat_in_a_thinned_recording_with_lost_frames():
     assert np.bincount(steps).min() >= 5
 
 
+def test_a_robot_that_steps_and_waits_is_fitted_whole_up_to_twice_as_many_rows():
+    problem = posed(recorded({}, cycles=45))
+    assert thinned(problem)[1] == 1
+    running = replace(problem, around=replace(problem.around, dwell_s=0.02))
+    assert thinned(running)[1] == 2
+
+
 def test_play_answers_in_thinned_rows_as_in_all():
     """A command that turns back between two of them has been farther than they say."""
     recording = recorded({}, cycles=60)

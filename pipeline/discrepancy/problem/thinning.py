@@ -7,6 +7,7 @@ import numpy as np
 from pipeline.discrepancy.problem.problem import Problem
 from pipeline.discrepancy.problem.repeats import same_motions
 from pipeline.discrepancy.problem.rows import Picked, turned_between
+from pipeline.physics.held import STEP_AND_WAIT_S
 from pipeline.recording import reversals_of
 
 WHOLE = 6000  # rows: of a recording and the block that it asked for, run twice
@@ -17,7 +18,7 @@ STANDS_OUT = 1e-3
 
 
 def thinned(problem: Problem, whole: bool = False) -> tuple[Problem, int]:
-    """The rows to fit on, and k: up to WHOLE all, of more every k-th and all reversals.
+    """The rows to fit on, and k: all if they are few, of more every k-th and all reversals.
 
     These are at most about MOST_ROWS. At most about MOST_SAMPLES samples stand behind them for
     terms that go by time. Rows after the last one to fit on tell a fit nothing and are left out,
@@ -25,7 +26,7 @@ def thinned(problem: Problem, whole: bool = False) -> tuple[Problem, int]:
     """
     if not whole:
         problem = problem.rows(np.arange(np.flatnonzero(problem.train)[-1] + 1))
-    if len(problem.motion) <= WHOLE:
+    if len(problem.motion) <= few(problem):
         return problem, 1
     every = spacing(problem)
     coarse = -(-len(problem.motion) // MOST_SAMPLES)
@@ -38,7 +39,15 @@ def thinned(problem: Problem, whole: bool = False) -> tuple[Problem, int]:
 def spacing(problem: Problem) -> int:
     """Of how many measured rows one is fitted."""
     count = int(np.isfinite(problem.measured).sum())
-    return 1 if count <= WHOLE else -(-count // MOST_ROWS)
+    return 1 if count <= few(problem) else -(-count // MOST_ROWS)
+
+
+def few(problem: Problem) -> int:
+    """Up to how many rows are all fitted: WHOLE where a robot steps and waits, MOST_ROWS elsewhere.
+
+    Each row is a pose of its own there; of a motion that goes on neighbours say nearly the same.
+    """
+    return WHOLE if problem.around.dwell_s >= STEP_AND_WAIT_S else MOST_ROWS
 
 
 def sparser(problem: Problem) -> Problem:
