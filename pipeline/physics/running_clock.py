@@ -19,7 +19,6 @@ class RunningClock(FrameLag):
     offset and skew of two clocks, Paxson, SIGMETRICS (1998).
     """
 
-    form = "clock"
     said_by_name = "time"
     unlikely = UNUSUAL
     beyond = "two clocks that run at different rates"

@@ -41,7 +41,7 @@ def names_of_form(explanation: Explanation, best: Choice) -> dict[str, float]:
             trial = replace(told, fit=improve(evaluate(told.fit.ground, rest)))
             left = mean_square(explanation, trial)
             late = moves and name in LATE
-            share, together = (LATE_SHARE,) * 2 if late else (LEAST_SHARE, MOST_TOGETHER)
+            share, together = (LATE_SHARE, LATE_SHARE) if late else (LEAST_SHARE, MOST_TOGETHER)
             own = max(left - left_now, 0.0)
             little = own <= share**2 * before and left - begun <= together**2 * before
             if little and not (late and own > noise):

@@ -32,10 +32,9 @@ def stale_samples(measured: np.ndarray, simulated: np.ndarray) -> StaleSamples:
 
     Equal values are no new measurements where a sensor's noise and resolution make them much rarer
     than that: neighbouring levels of its converter, whose step is the least change where rounding
-    has blurred it, would be as frequent. Where most changes are by
-    one level, equal values are no more than a slow motion between two of them. They are also what a
-    play without noise leaves at each turn; so new samples have to come singly among them, or they
-    by chance among new ones.
+    has blurred it, would be as frequent. Where most changes are by one level, equal values are no
+    more than a slow motion between two of them. They are also what a play without noise leaves at
+    each turn; so new samples have to come singly among them, or they by chance among new ones.
     """
     nothing = np.zeros(len(measured), dtype=bool)
     none = StaleSamples(nothing, hung=nothing)
