@@ -40,7 +40,7 @@ from pipeline.physics.recurring_slip import RecurringSlip
 from pipeline.physics.response_lag import ResponseLag
 from pipeline.physics.rubbing_wire import RUBBING
 from pipeline.physics.running_clock import RunningClock
-from pipeline.physics.second_order_lag import swinging_as
+from pipeline.physics.second_order_lag import SecondOrderLag, swinging_as
 from pipeline.physics.settling_drift import SettlingDrift
 from pipeline.physics.sheath_force import SheathForce
 from pipeline.physics.sheath_stretch import SheathStretch
@@ -88,6 +88,7 @@ ODD = (
     SingleBump(), LongRipple(), LongOffCentreRipple(), YieldingWire(), ActivatedCreep(),
     SmoothDrift(), RunningClock(), *LOSSY_SIDES,
 )  # fmt: skip
+ONE_LATE = (ResponseLag(), Creep(), SecondOrderLag("second"), SecondOrderLag("motor"))
 RECURRING = (RecurringSlip("every top"), RecurringSlip("every bottom"))
 SKIPS = tuple(
     LostSteps(f"{times}{place}") for times in ("thrice", "fourfold") for place in ("", *BEHIND)

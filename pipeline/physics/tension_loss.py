@@ -14,7 +14,7 @@ from pipeline.physics.pre_sliding import bristled
 from pipeline.physics.term import Parameter, Shown, Surroundings, Term
 from pipeline.physics.transmission_ripple import TransmissionRipple
 
-SOONER = 0.5
+SOONER, MUCH = 0.5, 0.5
 REACHES, LONGEST = (0.01, 0.04, 0.12), 0.25
 BESIDE = (-1.0, -0.5, 0.0, 0.5, 1.0)
 
@@ -196,6 +196,22 @@ class TensionLoss(Term):
         """
         steady = Friction.name if "dragged" in self.in_usual_order else Backlash.name
         return self.name if shown.worth(0, range(2, len(values))) else steady
+
+    def unsure(self, values: np.ndarray, around: Surroundings, shown: Shown) -> bool:
+        """Whether as much as MUCH of the width that it had in the end may have grown."""
+        way = self.grown_a_growth(values, around)
+        in_the_end = values[1] + values[0] * way
+        return shown.most(0, range(2, len(values))) * way > MUCH * in_the_end
+
+    def grown_a_growth(self, values: np.ndarray, around: Surroundings) -> float:
+        """How much wider it got for each unit of its growth: the way or cycles that count."""
+        if "cycle" in self.in_usual_order:
+            return float(max(around.cycles - 1, 0))
+        if self.in_usual_order == "late":
+            return max(around.travel - values[2], 0.0)
+        if self.in_usual_order == "settling":
+            return float(-values[2] * np.expm1(-around.travel / values[2]))
+        return around.travel
 
     def slight(self, values: np.ndarray, around: Surroundings) -> bool:
         dragged = "dragged" in self.in_usual_order

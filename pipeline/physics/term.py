@@ -101,6 +101,9 @@ class Shown(Protocol):
     def worth(self, size: int, course: Sequence[int] = ()) -> bool:
         """Whether a parameter tells anything, with those held, and charged, that only shape it."""
 
+    def most(self, size: int, course: Sequence[int] = ()) -> float:
+        """Upper end of a parameter's 95 % interval, with those held that only shape it."""
+
     def sharp(self, reach: int) -> bool:
         """Whether the corners that a parameter rounds are surely sharper than a step."""
 
@@ -274,6 +277,10 @@ class Term:
     def plainer(self, values: np.ndarray, shown: Shown) -> str:
         """The name of what this amounts to in what is shown: its own, or one that it hides."""
         return self.name
+
+    def unsure(self, values: np.ndarray, around: Surroundings, shown: Shown) -> bool:
+        """Whether it may be itself where a plainer name says as much: nothing rules that out."""
+        return False
 
     def limit(self, values: np.ndarray, around: Surroundings) -> str:
         """The name of what this comes to where it can go no further; "" where it can."""

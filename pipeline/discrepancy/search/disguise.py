@@ -32,12 +32,19 @@ class Seen:
         return where_acting(self.fit.ground.problem.around.step, self.fit, term)
 
     def worth(self, size: int, course: Sequence[int] = ()) -> bool:
+        least = (1 + len(course)) * np.log(independent(self.fit.ground))
+        squared = self.fit.pieces[self.place].values[size] ** 2
+        return bool(squared > least * self.variance(size, course))
+
+    def most(self, size: int, course: Sequence[int] = ()) -> float:
+        value = self.fit.pieces[self.place].values[size]
+        return float(value + SURE * np.sqrt(self.variance(size, course)))
+
+    def variance(self, size: int, course: Sequence[int]) -> float:
+        """Variance of a parameter, its course known."""
         fit = self.fit
         first = len(fit.nuisance) + sum(len(p.values) for p in fit.pieces[: self.place])
-        known = first + np.array(course, dtype=int)
-        least = (1 + len(known)) * np.log(independent(fit.ground))
-        variance = variance_given(covariance_of(fit), first + size, known)
-        return bool(fit.pieces[self.place].values[size] ** 2 > least * variance)
+        return variance_given(covariance_of(fit), first + size, first + np.array(course, dtype=int))
 
     def sharp(self, reach: int) -> bool:
         """Whether corners are sharper than a step, that of `first_step`.
@@ -77,6 +84,14 @@ def as_itself(choice: Choice, best: Choice) -> bool:
     return plain(choice) == names(choice) and not limits(choice) & names(best)
 
 
+def unsure(choice: Choice) -> frozenset[str]:
+    """Names of a choice that are others in disguise, but may be themselves (`Term.unsure`)."""
+    fit = choice.fit
+    around = fit.ground.problem.around
+    shown = [(p, Seen(fit, k)) for k, p in enumerate(fit.pieces)]
+    return frozenset(p.term.name for p, seen in shown if p.term.unsure(p.values, around, seen))
+
+
 def limits(choice: Choice) -> frozenset[str]:
     """What terms of a choice come to that can go no further towards it (`Term.limit`)."""
     around = choice.fit.ground.problem.around
@@ -84,10 +99,17 @@ def limits(choice: Choice) -> frozenset[str]:
 
 
 def undisguised(choices: Sequence[Choice]) -> Choice:
-    """The best of some choices, or the best of what it is in disguise."""
+    """The best of some choices, or where that is in disguise, the best of what it is.
+
+    Or of its own names in other forms, which are not: each of two names may hide the other.
+    """
     best = choices[0]
     wanted = plain(best)
-    same = [c for c in choices if names(c) == wanted and c.score < best.score + RIVAL_GAP]
+    near = [c for c in choices if c.score < best.score + RIVAL_GAP]
+    same = [c for c in near if names(c) == wanted]
+    if wanted != names(best):
+        both = [c for c in near if names(c) in (wanted, names(best))]
+        same = [c for c in both if plain(c) == names(c)] or same
     return min(same, key=lambda c: c.score, default=best)
 
 

@@ -17,8 +17,10 @@ from pipeline.discrepancy.search.moves import (
     unshifted,
 )
 from pipeline.discrepancy.search.one_damper import one_damper
+from pipeline.discrepancy.search.one_late import one_late
 from pipeline.discrepancy.search.played import played
 from pipeline.discrepancy.search.queued import queued
+from pipeline.discrepancy.search.redrawn import redrawn
 from pipeline.discrepancy.search.rubbed import rubbed
 from pipeline.discrepancy.search.stepped import stepped
 from pipeline.discrepancy.search.weighing import MOST_TERMS, SAME, Choice, Search, best_of_each
@@ -28,6 +30,7 @@ from pipeline.physics.friction import Friction
 WORTH, ROUNDS = 150.0, 6
 MOVES = (
     unpromised, unshifted, stepped, recurved, played, coasted, rubbed, parted, queued, one_damper,
+    one_late, redrawn,
 )  # fmt: skip
 Tried = dict[Key, tuple[float, float]]
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from pipeline.discrepancy.fitting.charge import complexity
 from pipeline.discrepancy.problem.problem import Problem
-from pipeline.discrepancy.search.disguise import as_itself, limits, plain, plainly
+from pipeline.discrepancy.search.disguise import as_itself, limits, plain, plainly, unsure
 from pipeline.discrepancy.search.equivalents import equivalents
 from pipeline.discrepancy.search.weighing import RIVAL_GAP, TIE, Choice, by_names, names
 from pipeline.physics.catalogue import BENDS
@@ -61,6 +61,8 @@ def standing(name: str, best: Choice, choices: list[Choice], problem: Problem) -
                 gaps.setdefault(one, gap)
             if mistaken_for(other, choice) == {name} and gap < TIE + spare(choice, best):
                 looks_so = sorted({*looks_so, *other})
+        elif swapped and unsure(choice) >= other and plain(choice) == names(best):
+            gaps |= {one: gap for one in other if one not in gaps}
         elif swapped and gap < RIVAL_GAP and mistaken_for(other, choice) == {name}:
             looks_so = sorted(other)
             gaps |= dict.fromkeys(other, gap) if gap < 0.0 and name not in limits(choice) else {}

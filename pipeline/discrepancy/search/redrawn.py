@@ -1,0 +1,56 @@
+"""A static curve drawn anew."""
+
+from collections.abc import Iterable
+from dataclasses import replace
+
+from pipeline.discrepancy.fitting.fit import ITERATIONS, Fit, evaluate, improve
+from pipeline.discrepancy.fitting.screen import screen, started
+from pipeline.discrepancy.search.choose import allowed, by_term, extended
+from pipeline.discrepancy.search.growth import grown
+from pipeline.discrepancy.search.moves import curves
+from pipeline.discrepancy.search.weighing import Choice, Search
+from pipeline.physics.term import Term
+
+STEPS, FOLLOWED, FURTHER = 3, 5, 2
+DRAWN = ("drawn", "anew")
+
+
+def redrawn(search: Search, choice: Choice) -> Choice:
+    """The choice with all that draws its static curve taken out and looked for anew, if better.
+
+    Two terms that draw a curve together come near what others draw: each has taken a part of the
+    other's place, and from there no swap of one leads to them. Nor is what gains most alone one of
+    them: so each pair of names is tried, and the best of them with a third.
+    """
+    fit = choice.fit
+    curved = [p for p in fit.pieces if curves(p.term)]
+    key = fit.key | {DRAWN}
+    if len(curved) < 2 or search.tried_in_vain(key, choice):
+        return choice
+    terms = tuple(t for t in search.terms if curves(t))
+    rest = improve(evaluate(fit.ground, fit.without(*curved)))
+    pairs = [p for one in each_with(search, rest, terms) for p in each_with(search, one, terms)]
+    best: dict[frozenset[str], Fit] = {}
+    for pair in sorted(pairs, key=lambda t: search.hoped(t, choice.place)):
+        best.setdefault(frozenset((p.term.name, p.term.side) for p in pair.pieces), pair)
+    begun = [
+        grown(search, search.weighed(improve(pair, 2 * ITERATIONS), choice.place))
+        for pair in list(best.values())[:FOLLOWED]
+    ]
+    begun.sort(key=lambda c: c.score)
+    own = replace(search, terms=terms, wide=True, vain={})
+    more = [grown(search, c) for pair in begun[:FURTHER] for c in extended(own, pair, 3)]
+    found = min([choice, *begun, *more], key=lambda c: c.score)
+    search.vain[key] = choice.score, 0.0
+    return found
+
+
+def each_with(search: Search, fit: Fit, terms: Iterable[Term]) -> list[Fit]:
+    """The fit with one more of some terms, the best start of each name and side."""
+    best: dict[tuple[str, float], Fit] = {}
+    for few in by_term(screen(fit, search.effects, allowed(terms, fit))):
+        trial = improve(started(fit, few), STEPS, fit)
+        key = trial.pieces[-1].term.name, trial.pieces[-1].term.side
+        if key not in best or trial.cost < best[key].cost:
+            best[key] = trial
+    return list(best.values())
