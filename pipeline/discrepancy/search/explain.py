@@ -29,6 +29,7 @@ from pipeline.discrepancy.search.excited import excited_terms
 from pipeline.discrepancy.search.foretold import foretelling
 from pipeline.discrepancy.search.growth import grown
 from pipeline.discrepancy.search.odd import oddly
+from pipeline.discrepancy.search.plain_forms import begun_plainly
 from pipeline.discrepancy.search.polish import polished
 from pipeline.discrepancy.search.pressed import pressed
 from pipeline.discrepancy.search.refuted import misfits, refuted
@@ -121,13 +122,14 @@ def searched(problem: Problem) -> Explanation:
         return Explanation(problem, prior, search, [base], outliers, used)
     choices = choose(search, ground)
     before, prior = prior, learnt_again(search, choices[0])
-    found = mistaken_rows(problem, choices[0], prior)
-    if prior is not before or not np.array_equal(found, outliers):
-        search, used, choices = chosen_anew(search, prior, settled & ~found, choices)
-        last, found = found, mistaken_rows(problem, choices[0], prior)
-        if np.sum(found != last) > MANY * len(found):
-            search, used, choices = chosen_anew(search, prior, settled & ~found, choices)
-    told = pressed(search, sprung(search, alone(search, polished(search, choices))))
+    off_now = mistaken_rows(problem, choices[0], prior)
+    if prior is not before or not np.array_equal(off_now, outliers):
+        search, used, choices = chosen_anew(search, prior, settled & ~off_now, choices)
+        last, off_now = off_now, mistaken_rows(problem, choices[0], prior)
+        if np.sum(off_now != last) > MANY * len(off_now):
+            search, used, choices = chosen_anew(search, prior, settled & ~off_now, choices)
+    found = begun_plainly(search, polished(search, choices))
+    told = pressed(search, sprung(search, alone(search, found)))
     usual_ones = unless_misfit(search, searched_wide(search, choices, swinging(search, told)))
     choices = oddly(search, usual_ones)
     if choices[0].score < usual_ones[0].score:

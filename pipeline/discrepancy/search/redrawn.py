@@ -1,6 +1,6 @@
 """A static curve drawn anew."""
 
-from collections.abc import Iterable
+from collections.abc import Sequence
 from dataclasses import replace
 
 from pipeline.discrepancy.fitting.fit import ITERATIONS, Fit, evaluate, improve
@@ -30,7 +30,7 @@ def redrawn(search: Search, choice: Choice) -> Choice:
     terms = tuple(t for t in search.terms if curves(t))
     rest = improve(evaluate(fit.ground, fit.without(*curved)))
     pairs = [p for one in each_with(search, rest, terms) for p in each_with(search, one, terms)]
-    best: dict[frozenset[str], Fit] = {}
+    best: dict[frozenset[tuple[str, float]], Fit] = {}
     for pair in sorted(pairs, key=lambda t: search.hoped(t, choice.place)):
         best.setdefault(frozenset((p.term.name, p.term.side) for p in pair.pieces), pair)
     begun = [
@@ -45,7 +45,7 @@ def redrawn(search: Search, choice: Choice) -> Choice:
     return found
 
 
-def each_with(search: Search, fit: Fit, terms: Iterable[Term]) -> list[Fit]:
+def each_with(search: Search, fit: Fit, terms: Sequence[Term]) -> list[Fit]:
     """The fit with one more of some terms, the best start of each name and side."""
     best: dict[tuple[str, float], Fit] = {}
     for few in by_term(screen(fit, search.effects, allowed(terms, fit))):
