@@ -156,7 +156,9 @@ def cycles_from_reversals(command: np.ndarray) -> np.ndarray:
     """Cycle of each sample, from 0, shape (n,).
 
     A cycle ends where the command, after at least two reversals, passes its first value again
-    in the direction in which it left it.
+    in the direction in which it left it. Where a motion of several such ways comes again as a whole
+    three times or more (a sum of sines, loops of several sizes by turns), all of it is one cycle:
+    else every third would always be the same part of it.
     """
     turns = reversals_of(command)
     cycle = np.zeros(len(command), dtype=int)
@@ -175,8 +177,24 @@ def cycles_from_reversals(command: np.ndarray) -> np.ndarray:
         if begin == len(command):
             break
         begins.append(begin)
-    cycle[begins[1:]] = 1
+    cycle[begins[:: ways_in_a_period(command, np.array(begins))][1:]] = 1
     return np.cumsum(cycle)
+
+
+def ways_in_a_period(command: np.ndarray, begins: np.ndarray) -> int:
+    """After how many ways there and back, which begin at some samples, a command comes again.
+
+    1 where it never does, or not FEWEST_PERIODS times. A jump may come a sample early or late.
+    """
+    near = SAME_COMMAND * np.ptp(command)
+    for ways in range(1, min(len(begins) // FEWEST_PERIODS, MOST_WAYS) + 1):
+        period = int(np.median(begins[ways:] - begins[:-ways]))
+        if np.quantile(np.abs(command[period:] - command[:-period]), MOST_ROWS) < near:
+            return ways
+    return 1
+
+
+FEWEST_PERIODS, MOST_WAYS, SAME_COMMAND, MOST_ROWS = 3, 12, 0.05, 0.9
 
 
 def with_context(samples: pd.DataFrame, channels: Sequence[Channel]) -> pd.DataFrame:

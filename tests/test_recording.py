@@ -113,6 +113,31 @@ def test_a_cycle_ends_where_the_command_comes_back_in_its_first_direction():
     assert cycles_from_reversals(np.linspace(0, 1, 20)).tolist() == [0] * 20
 
 
+def test_ways_of_several_sizes_that_come_again_together_are_one_cycle():
+    sizes = np.tile([30.0, 20.0, 10.0], 4)
+    swinging = np.concatenate([size * triangle(1) / np.ptp(triangle(1)) for size in sizes])
+    assert np.bincount(cycles_from_reversals(swinging)).tolist() == [120] * 4
+    twice = swinging[: 2 * 120]
+    assert np.bincount(cycles_from_reversals(twice)).tolist() == [40] * 6
+
+
+@pytest.mark.parametrize(("rows", "cycles"), [(74.0, 9), (73.9, 9)])
+def test_a_sum_of_sines_that_comes_again_is_a_cycle_however_often_it_passes_its_first_value(
+    rows, cycles
+):
+    phase = 2.0 * np.pi * np.arange(int(cycles * rows)) / rows
+    command = np.sin(phase + 0.3) + 0.8 * np.sin(3.0 * phase + 2.0) + 0.6 * np.sin(5.0 * phase)
+    lengths = np.bincount(cycles_from_reversals(command))
+    assert len(lengths) in (cycles, cycles + 1)
+    np.testing.assert_allclose(lengths[1:-1], rows, atol=1.0)
+
+
+def test_steps_that_come_a_sample_early_or_late_are_the_same_again():
+    levels = np.array([0.0, 20.0, -10.0, 15.0, -20.0])
+    at = (5.0 * (np.arange(1000) / 66.7 % 1.0)).astype(int)
+    assert abs(len(np.unique(cycles_from_reversals(levels[at]))) - 15) <= 1
+
+
 def test_cycles_of_a_recording_and_one_that_is_empty():
     recording = a_recording()
     assert recording.cycles([0, 2]).samples["cycle"].unique().tolist() == [0, 2]

@@ -13,9 +13,11 @@ from pipeline.discrepancy.search.disguise import (
     first_step,
     plainly,
     undisguised,
+    unsure,
     variance_given,
     where_acting,
 )
+from pipeline.discrepancy.search.weighing import Choice
 from pipeline.physics.catalogue import term
 from pipeline.physics.mechanism import Piece
 from tests.discrepancy.made import NOISE, chosen, posed, recorded
@@ -34,6 +36,18 @@ def test_a_play_whose_growth_is_not_worth_a_parameter_is_backlash(ground, deviat
 
     deviation = np.sqrt(covariance_of(grown(1e-5))[2, 2])
     assert plainly(grown(deviations * deviation)) == [name]
+
+
+@pytest.mark.parametrize("form", ["linear", "cycle", "late", "settling"])
+@pytest.mark.parametrize(("growing", "said"), [(0.1, False), (1.2, True)])
+def test_a_play_of_which_half_may_have_grown_may_be_one_that_grows(ground, form, growing, said):
+    """What it may have grown by is the 95 % interval's upper end; the width here is 2 deg."""
+    around, physics = ground.problem.around, term("tension_loss", form)
+    course = {"late": [400.0], "settling": [700.0]}.get(form, [])
+    way = physics.grown_a_growth(np.array([0.0, 0.0, *course]), around)
+    fit = evaluate(ground, [Piece(physics, np.array([growing / way, 2.0 - growing, *course]))])
+    told = unsure(Choice(fit, (0, 0, 0), 0.0))
+    assert told == ({"tension_loss"} if said else set())
 
 
 def test_a_growth_that_is_surely_there_stays_one_where_its_course_is_unsure(ground):
@@ -66,6 +80,20 @@ def test_a_name_is_told_as_what_it_hides_only_where_that_explains_as_well(ground
     plain_play = chosen(ground, 10.0, backlash=[2.0])
     assert undisguised([growing, plain_play]) is plain_play
     assert undisguised([growing, replace(plain_play, score=60.0)]) is growing
+
+
+def test_names_that_each_hide_the_other_are_told_as_the_form_that_hides_none(ground):
+    def told(name, form, values, score):
+        piece = Piece(term(name, form), np.array(values))
+        return Choice(evaluate(ground, [piece]), (0, 0, 0), score)
+
+    gentle = told("slack", "driven", [0.95, 0.57, 0.0], 0.0)
+    sudden = told("compliance", "wire", [0.3, 1.6, 0.06, 0.006], 5.0)
+    taut = told("slack", "home", [4.0, 0.1, 0.02], 9.0)
+    assert [plainly(c.fit) for c in (gentle, sudden)] == [["compliance"], ["slack"]]
+    assert plainly(taut.fit) == ["slack"]
+    assert undisguised([gentle, sudden, taut]) is taut
+    assert undisguised([gentle, sudden]) is sudden
 
 
 @pytest.mark.parametrize(("reach", "name"), [(0.1, "backlash"), (0.9, "friction")])

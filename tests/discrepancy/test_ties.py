@@ -45,6 +45,22 @@ def test_friction_sharper_than_a_step_may_be_what_looks_like_play(ground, score,
     assert found.tied == (score < 0.0)
 
 
+@pytest.mark.parametrize(("growth", "noise", "tied"), [(4e-4, 3.0, True), (1e-5, NOISE, False)])
+def test_play_that_may_have_grown_to_half_of_its_width_ties_with_one_that_grows(
+    growth, noise, tied
+):
+    problem = posed(recorded({"backlash": {"width": 2.0}}, noise=noise))
+    ground = ground_of(problem, NoiseModel(noise), problem.train)
+    play = chosen(ground, 0.0, backlash=[2.0])
+    growing = chosen(ground, 4.0, tension_loss=[growth, 1.6])
+    assert plainly(growing.fit) == ["backlash"]
+    found = standing("backlash", play, [play, growing], problem)
+    assert found.tied == tied
+    assert ("tension_loss" in found.alternatives) == tied
+    far = replace(growing, score=12.0)
+    assert not standing("backlash", play, [play, far], problem).tied
+
+
 def test_friction_that_can_be_no_sharper_is_no_tie_of_play_however_well_it_fits(ground):
     (_, reach, *_) = term("friction").parameters(ground.problem.around)
     play = chosen(ground, 0.0, backlash=[2.0])

@@ -1,0 +1,88 @@
+"""Explanations that went astray, from which no single swap leads: some of it is begun again."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import pytest
+
+from pipeline.discrepancy.fitting.fit import evaluate, improve
+from pipeline.discrepancy.search.explain import Explanation
+from pipeline.discrepancy.search.one_late import one_late
+from pipeline.discrepancy.search.plain_forms import begun_plainly, in_plain_forms
+from pipeline.discrepancy.search.redrawn import redrawn
+from pipeline.discrepancy.search.weighing import Choice
+from pipeline.physics.catalogue import BENDS, term
+from pipeline.physics.mechanism import Piece
+from tests.discrepancy.made import explained, recorded
+
+Told = Sequence[tuple[str, str, list[float]]]
+TOE = {"softness": 0.3, "reach": 9.0, "stretch": 0.03, "stiffness": 0.08}
+CREEP = ("creep", "one", [0.8, 8.7])
+
+
+def begun(found: Explanation, told: Told, place=(0, 0, 0)) -> Choice:
+    """What such terms come to on the ground of an explanation."""
+    pieces = [Piece(term(name, form), np.array(values)) for name, form, values in told]
+    fit = improve(evaluate(found.choices[0].fit.ground, pieces))
+    return found.search.weighed(fit, place, 12)
+
+
+@pytest.mark.parametrize(
+    ("hidden", "told", "names"),
+    [
+        (
+            {"response_lag/first": {"time_constant": 11.0}, "compliance/toe": TOE},
+            [CREEP, ("response_lag", "whole", [2.7]), ("compliance", "toe", list(TOE.values()))],
+            {"response_lag", "compliance"},
+        ),
+        (
+            {"creep/one": {"share": 0.29, "time_constant": 13.0}, "slack/home": {"width": 12.0}},
+            [
+                ("response_lag", "first", [3.2]),
+                ("creep", "whole", [0.04, 40.0]),
+                ("slack", "home", [12.0, 0.16, 0.016]),
+            ],
+            {"creep", "slack"},
+        ),
+    ],
+)
+def test_two_that_come_late_are_one_that_acts_where_loads_bear_on_it(hidden, told, names):
+    found = explained(recorded(hidden, noise=0.15))
+    two = begun(found, told)
+    one = one_late(found.search, two)
+    assert set(one.fit.names) == names
+    assert one.score < two.score - 20.0
+    assert one_late(found.search, one) is one
+
+
+def test_a_contact_that_took_a_part_of_a_bend_is_drawn_anew():
+    contact = {"stiffness": 1.5, "angle": 10.5, "skin": 0.3, "pretension": 8.5}
+    hidden = {"contact/upper unloading": contact, "gravity/": {"deflection": 12.0, "zero": 1.4}}
+    found = explained(recorded(hidden, noise=0.25))
+    wide = ("contact", "upper unloading", [2.1, 12.9, 2.4, 1.1])
+    two = begun(found, [wide, ("transmission_ripple", "first", [0.6, 73.6, 3.7])])
+    drawn = redrawn(found.search, two)
+    assert "contact" in drawn.fit.names
+    assert set(drawn.fit.names) & BENDS
+    assert drawn.score < two.score - 20.0
+
+
+def test_rich_forms_beside_a_zero_that_walks_are_begun_again_as_plain_ones():
+    hidden = {
+        "creep/one": {"share": 0.24, "time_constant": 36.0},
+        "compliance/wire": {"softness": 0.06, "reach": 21.0, "stretch": 0.03, "stiffness": 0.07},
+        "backlash/": {"width": 1.0},
+    }
+    found = explained(recorded(hidden, noise=0.13))
+    spread = ("creep", "wire spread", [0.8, 1.7, 0.7, -30.0, 1.5])
+    told = [spread, ("backlash", "worn round", [1.9, 0.4, -1.2, 25.0])]
+    astray = begun(found, told, (0, 0, 7))
+    plain = in_plain_forms(found.search, astray.fit)
+    usual = {(t.name, t.form) for t in found.search.terms}
+    assert plain.key <= usual
+    assert not astray.fit.key & usual
+    best = begun_plainly(found.search, [astray])[0]
+    assert astray.place[2] > 0
+    assert set(best.fit.names) & BENDS
+    assert set(best.fit.names) - BENDS in ({"creep", "backlash"}, {"creep", "friction"})
+    assert best.score < astray.score - 20.0
