@@ -3,6 +3,7 @@
 from pipeline.discrepancy.fitting.fit import ITERATIONS, Fit, improve
 from pipeline.discrepancy.fitting.reform import reformed
 from pipeline.discrepancy.search.polish import polished
+from pipeline.discrepancy.search.refuted import refuted
 from pipeline.discrepancy.search.weighing import Choice, Search, best_of_each
 
 
@@ -11,11 +12,14 @@ def begun_plainly(search: Search, choices: list[Choice]) -> list[Choice]:
 
     A form that grew beside too few terms does a part of what others would, and noise that walks
     the rest: no single swap leads from there. So they are begun again where the zero walks beside
-    rich forms, under noise that does not.
+    rich forms, under noise that does not; not where repeats say that no noise is what is left.
     """
     best = choices[0]
+    forced = best.fit.ground.problem.derivatives is not None
+    if best.place[2] == 0 or forced or refuted(search, best):
+        return choices
     plain = in_plain_forms(search, best.fit)
-    if best.place[2] == 0 or plain is best.fit or best.fit.ground.problem.derivatives is not None:
+    if plain is best.fit:
         return choices
     still = search.weighed(improve(plain, 2 * ITERATIONS), (best.place[0], 0, 0))
     return best_of_each([*choices, *polished(search, [still])])

@@ -8,10 +8,12 @@ from pipeline.discrepancy.fitting.screen import screen, started
 from pipeline.discrepancy.search.choose import allowed, by_term, extended
 from pipeline.discrepancy.search.growth import grown
 from pipeline.discrepancy.search.moves import curves
+from pipeline.discrepancy.search.refuted import refuted
 from pipeline.discrepancy.search.weighing import Choice, Search
 from pipeline.physics.term import Term
 
 STEPS, FOLLOWED, FURTHER = 3, 5, 2
+HOPED, FAR = 100.0, 300.0
 DRAWN = ("drawn", "anew")
 
 
@@ -20,12 +22,13 @@ def redrawn(search: Search, choice: Choice) -> Choice:
 
     Two terms that draw a curve together come near what others draw: each has taken a part of the
     other's place, and from there no swap of one leads to them. Nor is what gains most alone one of
-    them: so each pair of names is tried, and the best of them with a third.
+    them: so each pair of names is tried, and the best of them with a third. Where repeats say that
+    more is left than noise, another shape of the curve is not what is missing.
     """
     fit = choice.fit
     curved = [p for p in fit.pieces if curves(p.term)]
     key = fit.key | {DRAWN}
-    if len(curved) < 2 or search.tried_in_vain(key, choice):
+    if len(curved) < 2 or search.tried_in_vain(key, choice) or refuted(search, choice):
         return choice
     terms = tuple(t for t in search.terms if curves(t))
     rest = improve(evaluate(fit.ground, fit.without(*curved)))
@@ -34,13 +37,15 @@ def redrawn(search: Search, choice: Choice) -> Choice:
     for pair in sorted(pairs, key=lambda t: search.hoped(t, choice.place)):
         best.setdefault(frozenset((p.term.name, p.term.side) for p in pair.pieces), pair)
     begun = [
-        grown(search, search.weighed(improve(pair, 2 * ITERATIONS), choice.place))
+        search.weighed(improve(pair, 2 * ITERATIONS), choice.place)
         for pair in list(best.values())[:FOLLOWED]
     ]
-    begun.sort(key=lambda c: c.score)
     own = replace(search, terms=terms, wide=True, vain={})
-    more = [grown(search, c) for pair in begun[:FURTHER] for c in extended(own, pair, 3)]
-    found = min([choice, *begun, *more], key=lambda c: c.score)
+    near = [c for c in sorted(begun, key=lambda c: c.score) if c.score < choice.score + FAR]
+    more = [third for pair in near[:FURTHER] for third in extended(own, pair, 3)]
+    other = [c for c in (*begun, *more) if c.fit.key != fit.key]
+    drawn = [grown(search, c) for c in other if c.score < choice.score + HOPED]
+    found = min([choice, *drawn], key=lambda c: c.score)
     search.vain[key] = choice.score, 0.0
     return found
 
