@@ -21,10 +21,14 @@ def one_late(search: Search, choice: Choice) -> Choice:
     nothing.
     """
     found, fit = choice, choice.fit
+    problem = fit.ground.problem
+    if problem.derivatives is not None:
+        return choice
     late = [p for p in fit.pieces if p.term.remembers == "time"]
+    shown = [t for t in ONE_LATE if t.excited(problem.motion, problem.around)]
     for gone in combinations(late, 2):
         rest = fit.without(*gone)
-        for term in ONE_LATE:
+        for term in shown:
             if not any(excludes(term, p.term) for p in rest):
                 found = search.better(found, begun_alone(fit, rest, term))
     return found
