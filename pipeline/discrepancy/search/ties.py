@@ -42,8 +42,9 @@ def standing(name: str, best: Choice, choices: list[Choice], problem: Problem) -
     tell nothing there, and ties if it fits better, unless it comes to this name there. Nor need
     such a name be in disguise to be listed, where all that it is behind is its charge for more
     parameters. One that is this name in disguise, but may be itself for all that the data show
-    (`Term.unsure`), ties by its score. Where one bend of a static curve could stand in its place, each could; not in that
-    of one that another axis turns. Nor is what becomes another with time the same as what doesn't.
+    (`Term.unsure`), ties by its score. Where one bend of a static curve could stand in its place,
+    each could; not in that of one that another axis turns. Nor is what becomes another with time
+    the same as what doesn't.
     """
     distinct = by_names(choices)
     weights = weights_of(distinct)
