@@ -13,6 +13,7 @@ from pipeline.discrepancy.search.one_late import one_late
 from pipeline.discrepancy.search.plain_forms import begun_plainly, in_plain_forms
 from pipeline.discrepancy.search.redrawn import redrawn
 from pipeline.discrepancy.search.refuted import refuted
+from pipeline.discrepancy.search.second_order import swinging
 from pipeline.discrepancy.search.weighing import Choice
 from pipeline.physics.catalogue import BENDS, term
 from pipeline.physics.mechanism import Piece
@@ -95,3 +96,16 @@ def test_rich_forms_beside_a_zero_that_walks_are_begun_again_as_plain_ones():
     assert set(best.fit.names) & tied
     assert best.place[2] == 0
     assert best.score < astray.score - 20.0
+
+
+def test_a_loop_that_is_a_swing_in_truth_is_told_though_nothing_speaks_against_the_noise():
+    swing = {"natural_frequency": 0.39, "damping": 0.46, "moving": 0.1}
+    tilt = ("camera_tilt", "", [0.42, -1.0])
+    hidden = {"response_lag/second": swing, "camera_tilt/": {"tilt": 0.42, "direction": -1.0}}
+    found = explained(recorded(hidden, noise=0.17))
+    loop = begun(found, [tilt, ("friction", "wrapped", [0.35, 0.09, 0.0, 0.02])])
+    assert not refuted(found.search, loop)
+    best = swinging(found.search, [loop])[0]
+    assert set(best.fit.names) == {"response_lag", "camera_tilt"}
+    assert best.score < loop.score - 5.0
+    assert swinging(found.search, [best])[0] is best

@@ -24,7 +24,8 @@ def swinging(search: Search, choices: list[Choice]) -> list[Choice]:
     At a steady pace what swings is ahead of its command or behind it by about as much all the time:
     play comes near the one, nothing without inertia the other. So no first-order lag is on the way,
     and what was added beside play to mop up the rest is polished away. The lag takes the place of
-    all that comes late, or stands beside it; beside an old frame what creeps may be a swing.
+    all that comes late, or stands beside it; beside an old frame what creeps may be a swing. Where
+    nothing speaks against the noise, it only takes the place of a loop, if it is better at once.
     """
     best, known = choices[0], any(t.name == SWINGING.name for t in search.terms)
     behind = late(best.fit)
@@ -34,9 +35,12 @@ def swinging(search: Search, choices: list[Choice]) -> list[Choice]:
     resolved = best.fit.ground.noise.deviation > RESOLVED * search.family.prior.finest
     if lagging:
         return with_old_frame(search, choices)
-    if not (known and resolved and (creeps or unsure(search, best))):
+    if not (known and resolved):
         return choices
     rest = best.fit.without(*other)
+    if not (creeps or unsure(search, best)):
+        swung = search.better(best, begun(best.fit.ground, rest)) if other else best
+        return choices if swung is best else polished(search, best_of_each([swung, *choices]))
     for beside in (rest, best.fit.pieces)[: 1 + bool(behind)]:
         swung = search.weighed(begun(best.fit.ground, beside), best.place)
         found = [swung, *extended(search, swung)] if len(beside) < MOST_TERMS else [swung]
