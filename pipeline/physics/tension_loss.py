@@ -197,7 +197,7 @@ class TensionLoss(Term):
         steady = Friction.name if "dragged" in self.in_usual_order else Backlash.name
         return self.name if shown.worth(0, range(2, len(values))) else steady
 
-    def unsure(self, values: np.ndarray, around: Surroundings, shown: Shown) -> bool:
+    def may_be_itself(self, values: np.ndarray, around: Surroundings, shown: Shown) -> bool:
         """Whether as much as MUCH of the width that it had in the end may have grown."""
         way = self.grown_a_growth(values, around)
         in_the_end = values[1] + values[0] * way

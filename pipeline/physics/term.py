@@ -278,7 +278,7 @@ class Term:
         """The name of what this amounts to in what is shown: its own, or one that it hides."""
         return self.name
 
-    def unsure(self, values: np.ndarray, around: Surroundings, shown: Shown) -> bool:
+    def may_be_itself(self, values: np.ndarray, around: Surroundings, shown: Shown) -> bool:
         """Whether it may be itself where a plainer name says as much: nothing rules that out."""
         return False
 

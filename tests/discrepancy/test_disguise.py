@@ -11,9 +11,9 @@ from pipeline.discrepancy.model.intervals import covariance_of
 from pipeline.discrepancy.noise.noise import NoiseModel
 from pipeline.discrepancy.search.disguise import (
     first_step,
+    maybe_themselves,
     plainly,
     undisguised,
-    unsure,
     variance_given,
     where_acting,
 )
@@ -46,7 +46,7 @@ def test_a_play_of_which_half_may_have_grown_may_be_one_that_grows(ground, form,
     course = {"late": [400.0], "settling": [700.0]}.get(form, [])
     way = physics.grown_a_growth(np.array([0.0, 0.0, *course]), around)
     fit = evaluate(ground, [Piece(physics, np.array([growing / way, 2.0 - growing, *course]))])
-    told = unsure(Choice(fit, (0, 0, 0), 0.0))
+    told = maybe_themselves(Choice(fit, (0, 0, 0), 0.0))
     assert told == ({"tension_loss"} if said else set())
 
 

@@ -84,12 +84,14 @@ def as_itself(choice: Choice, best: Choice) -> bool:
     return plain(choice) == names(choice) and not limits(choice) & names(best)
 
 
-def unsure(choice: Choice) -> frozenset[str]:
-    """Names of a choice that are others in disguise, but may be themselves (`Term.unsure`)."""
+def maybe_themselves(choice: Choice) -> frozenset[str]:
+    """Names of a choice that may be themselves though in disguise (`Term.may_be_itself`)."""
     fit = choice.fit
     around = fit.ground.problem.around
     shown = [(p, Seen(fit, k)) for k, p in enumerate(fit.pieces)]
-    return frozenset(p.term.name for p, seen in shown if p.term.unsure(p.values, around, seen))
+    return frozenset(
+        p.term.name for p, seen in shown if p.term.may_be_itself(p.values, around, seen)
+    )
 
 
 def limits(choice: Choice) -> frozenset[str]:

@@ -6,7 +6,7 @@ import numpy as np
 
 from pipeline.discrepancy.fitting.charge import complexity
 from pipeline.discrepancy.problem.problem import Problem
-from pipeline.discrepancy.search.disguise import as_itself, limits, plain, plainly, unsure
+from pipeline.discrepancy.search.disguise import as_itself, limits, maybe_themselves, plain, plainly
 from pipeline.discrepancy.search.equivalents import equivalents
 from pipeline.discrepancy.search.weighing import RIVAL_GAP, TIE, Choice, by_names, names
 from pipeline.physics.catalogue import BENDS
@@ -42,9 +42,9 @@ def standing(name: str, best: Choice, choices: list[Choice], problem: Problem) -
     tell nothing there, and ties if it fits better, unless it comes to this name there. Nor need
     such a name be in disguise to be listed, where all that it is behind is its charge for more
     parameters. One that is this name in disguise, but may be itself for all that the data show
-    (`Term.unsure`), ties by its score. Where one bend of a static curve could stand in its place,
-    each could; not in that of one that another axis turns. Nor is what becomes another with time
-    the same as what doesn't.
+    (`Term.may_be_itself`), ties by its score. Where one bend of a static curve could stand in its
+    place, each could; not in that of one that another axis turns. Nor is what becomes another with
+    time the same as what doesn't.
     """
     distinct = by_names(choices)
     weights = weights_of(distinct)
@@ -63,7 +63,7 @@ def standing(name: str, best: Choice, choices: list[Choice], problem: Problem) -
                 gaps.setdefault(one, gap)
             if mistaken_for(other, choice) == {name} and gap < TIE + spare(choice, best):
                 looks_so = sorted({*looks_so, *other})
-        elif swapped and unsure(choice) >= other and plain(choice) == names(best):
+        elif swapped and maybe_themselves(choice) >= other and plain(choice) == names(best):
             gaps |= {one: gap for one in other if one not in gaps}
         elif swapped and gap < RIVAL_GAP and mistaken_for(other, choice) == {name}:
             looks_so = sorted(other)
