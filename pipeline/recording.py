@@ -27,6 +27,7 @@ NAME_UNITS = (
 REVERSAL_SHARE = 0.01
 MOST_CYCLES = 10**9
 LONGEST_STEM = 100
+FEWEST_PERIODS, MOST_WAYS, SAME_COMMAND, MOST_ROWS = 3, 12, 0.05, 0.9
 
 
 @dataclass(frozen=True)
@@ -192,9 +193,6 @@ def ways_in_a_period(command: np.ndarray, begins: np.ndarray) -> int:
         if np.quantile(np.abs(command[period:] - command[:-period]), MOST_ROWS) < near:
             return ways
     return 1
-
-
-FEWEST_PERIODS, MOST_WAYS, SAME_COMMAND, MOST_ROWS = 3, 12, 0.05, 0.9
 
 
 def with_context(samples: pd.DataFrame, channels: Sequence[Channel]) -> pd.DataFrame:

@@ -84,6 +84,11 @@ def as_itself(choice: Choice, best: Choice) -> bool:
     return plain(choice) == names(choice) and not limits(choice) & names(best)
 
 
+def may_stand_for(choice: Choice, best: Choice) -> bool:
+    """Whether a choice is the best one in disguise, but what it has for that may be itself."""
+    return plain(choice) == names(best) and names(choice) - names(best) <= maybe_themselves(choice)
+
+
 def maybe_themselves(choice: Choice) -> frozenset[str]:
     """Names of a choice that may be themselves though in disguise (`Term.may_be_itself`)."""
     fit = choice.fit

@@ -23,6 +23,7 @@ from pipeline.physics.term import Term
 SHEATH = CapstanFriction("pretensioned")
 SPRING = Stiffness()
 NEAR, AT_ONCE = 30.0, 0.01
+STEPS = 3
 
 
 def unpromised(search: Search, choice: Choice) -> Choice:
@@ -113,9 +114,14 @@ def parted(search: Search, choice: Choice) -> Choice:
 
 def begun_with(search: Search, fit: Fit, terms: Sequence[Term], other: Sequence[Fit] = ()) -> Fit:
     """The fit with the one of some terms that suits it best; it as it is where none may stand."""
-    leads = by_term(screen(fit, search.effects, allowed(terms, fit)))
-    trials = [improve(started(fit, few, room=True), 3, fit) for few in leads]
+    trials = trials_with(search, fit, terms, room=True)
     return min((*trials, *other), key=lambda t: t.cost, default=fit)
+
+
+def trials_with(search: Search, fit: Fit, terms: Sequence[Term], room: bool = False) -> list[Fit]:
+    """The fit with each of some terms that may stand there, after a few steps (see `started`)."""
+    leads = by_term(screen(fit, search.effects, allowed(terms, fit)))
+    return [improve(started(fit, few, room), STEPS, fit) for few in leads]
 
 
 def curves(term: Term) -> bool:

@@ -1,16 +1,12 @@
 """One lag or creep in place of two."""
 
-from collections.abc import Sequence
 from itertools import combinations
 
-from pipeline.discrepancy.fitting.fit import ITERATIONS, Fit, evaluate, improve
 from pipeline.discrepancy.search.choose import excludes
+from pipeline.discrepancy.search.exchange import begun_from
 from pipeline.discrepancy.search.weighing import Choice, Search
 from pipeline.physics.catalogue import ONE_LATE
 from pipeline.physics.mechanism import Piece
-from pipeline.physics.term import Term
-
-BEGUN, STEPS = 2, 4
 
 
 def one_late(search: Search, choice: Choice) -> Choice:
@@ -30,15 +26,7 @@ def one_late(search: Search, choice: Choice) -> Choice:
         rest = fit.without(*gone)
         for term in shown:
             if not any(excludes(term, p.term) for p in rest):
-                found = search.better(found, begun_alone(fit, rest, term))
+                values = term.candidates(problem.motion, problem.around)
+                starts = [[*rest, Piece(term, v)] for v in values]
+                found = search.better(found, begun_from(fit, starts))
     return found
-
-
-def begun_alone(fit: Fit, rest: Sequence[Piece], term: Term) -> Fit:
-    """What the best starts of a term beside some pieces of a fit come to."""
-    problem = fit.ground.problem
-    values = term.candidates(problem.motion, problem.around)
-    starts = [evaluate(fit.ground, [*rest, Piece(term, v)]) for v in values]
-    starts = sorted(starts, key=lambda f: f.cost)[:BEGUN]
-    best = min((improve(f, STEPS) for f in starts), key=lambda f: f.cost)
-    return improve(best, 2 * ITERATIONS)

@@ -4,15 +4,14 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from pipeline.discrepancy.fitting.fit import ITERATIONS, Fit, evaluate, improve
-from pipeline.discrepancy.fitting.screen import screen, started
-from pipeline.discrepancy.search.choose import allowed, by_term, extended
+from pipeline.discrepancy.search.choose import extended
 from pipeline.discrepancy.search.growth import grown
-from pipeline.discrepancy.search.moves import curves
+from pipeline.discrepancy.search.moves import curves, trials_with
 from pipeline.discrepancy.search.refuted import refuted
 from pipeline.discrepancy.search.weighing import Choice, Search
 from pipeline.physics.term import Term
 
-STEPS, FOLLOWED, FURTHER = 3, 5, 2
+FOLLOWED, FURTHER = 5, 2
 HOPED, FAR = 100.0, 300.0
 DRAWN = ("drawn", "anew")
 
@@ -53,8 +52,7 @@ def redrawn(search: Search, choice: Choice) -> Choice:
 def each_with(search: Search, fit: Fit, terms: Sequence[Term]) -> list[Fit]:
     """The fit with one more of some terms, the best start of each name and side."""
     best: dict[tuple[str, float], Fit] = {}
-    for few in by_term(screen(fit, search.effects, allowed(terms, fit))):
-        trial = improve(started(fit, few), STEPS, fit)
+    for trial in trials_with(search, fit, terms):
         key = trial.pieces[-1].term.name, trial.pieces[-1].term.side
         if key not in best or trial.cost < best[key].cost:
             best[key] = trial

@@ -6,7 +6,7 @@ import numpy as np
 
 from pipeline.discrepancy.fitting.charge import complexity
 from pipeline.discrepancy.problem.problem import Problem
-from pipeline.discrepancy.search.disguise import as_itself, limits, maybe_themselves, plain, plainly
+from pipeline.discrepancy.search.disguise import as_itself, limits, may_stand_for, plain, plainly
 from pipeline.discrepancy.search.equivalents import equivalents
 from pipeline.discrepancy.search.weighing import RIVAL_GAP, TIE, Choice, by_names, names
 from pipeline.physics.catalogue import BENDS
@@ -58,13 +58,11 @@ def standing(name: str, best: Choice, choices: list[Choice], problem: Problem) -
         other = names(choice) - names(best)
         swapped = name not in names(choice) and len(names(choice)) == len(names(best))
         gap = choice.score - best.score
-        if swapped and (name in BENDS or as_itself(choice, best)):
+        if swapped and (name in BENDS or as_itself(choice, best) or may_stand_for(choice, best)):
             for one in other:
                 gaps.setdefault(one, gap)
             if mistaken_for(other, choice) == {name} and gap < TIE + spare(choice, best):
                 looks_so = sorted({*looks_so, *other})
-        elif swapped and maybe_themselves(choice) >= other and plain(choice) == names(best):
-            gaps |= {one: gap for one in other if one not in gaps}
         elif swapped and gap < RIVAL_GAP and mistaken_for(other, choice) == {name}:
             looks_so = sorted(other)
             gaps |= dict.fromkeys(other, gap) if gap < 0.0 and name not in limits(choice) else {}
