@@ -135,6 +135,8 @@ class CoulombFriction(ForceTerm):
             return own["force"] * weighted(share, own["asymmetry"]), state
         share, state = self.turning(motion.way[0], own, state)
         share = weighted(share[motion.way[1]], own["asymmetry"])
+        if own["growth"] == 0.0:
+            return own["force"] * share, state
         pressed = own["force"] + own["growth"] * np.abs(motion.drive - own["middle"])
         return np.maximum(pressed, 0.0) * share, state
 

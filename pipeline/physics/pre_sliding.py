@@ -27,16 +27,17 @@ def reaches_of(reach: float, spread: float, elements: int = ELEMENTS) -> np.ndar
     return np.asarray(reach * powers / powers.mean())
 
 
-@njit(cache=True)
+@njit(cache=True, fastmath={"contract", "reassoc", "nsz", "nnan"}, error_model="numpy")
 def _slipped(position, at, reaches, state):  # type: ignore[no-untyped-def]
-    out = np.empty(position.size)
+    out, per_way = np.empty(position.size), 1.0 / reaches
     for i in range(position.size):
         moved = position[i] - at
         at = position[i]
         total = 0.0
         for j in range(reaches.size):
-            state[j] = min(1.0, max(-1.0, state[j] + moved / reaches[j]))
-            total += state[j]
+            share = min(1.0, max(-1.0, state[j] + moved * per_way[j]))
+            state[j] = share
+            total += share
         out[i] = total / reaches.size
     return out
 
@@ -146,4 +147,4 @@ def lagging(
 
 def weighted(share: np.ndarray, asymmetry: float) -> np.ndarray:
     """A share (n,) that is 1 + asymmetry times as large where it is positive, 1 - where not."""
-    return share * (1.0 + asymmetry * np.sign(share))
+    return share if asymmetry == 0.0 else share * (1.0 + asymmetry * np.sign(share))

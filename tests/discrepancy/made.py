@@ -7,9 +7,9 @@ import numpy as np
 import pandas as pd
 
 from pipeline.config import DiagnosisConfig
+from pipeline.discrepancy.fitting.effects import effects_of
 from pipeline.discrepancy.fitting.fit import evaluate
 from pipeline.discrepancy.fitting.ground import Ground
-from pipeline.discrepancy.fitting.screen import effects_of
 from pipeline.discrepancy.model.result import DiagnosisResult, Estimate
 from pipeline.discrepancy.noise.family import noise_family
 from pipeline.discrepancy.noise.learning import NoisePrior

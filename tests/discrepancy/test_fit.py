@@ -7,9 +7,10 @@ import pytest
 
 from pipeline.config import DiagnosisConfig, ToleranceConfig
 from pipeline.discrepancy.fitting.charge import VOID, absurd_calibration, complexity
+from pipeline.discrepancy.fitting.effects import effects_of
 from pipeline.discrepancy.fitting.fit import evaluate, improve, jacobian, slopes_beside
 from pipeline.discrepancy.fitting.ground import ground_of
-from pipeline.discrepancy.fitting.screen import effects_of, screen, started
+from pipeline.discrepancy.fitting.screen import screen, started
 from pipeline.discrepancy.model.intervals import covariance_of, estimates, wide_covariance
 from pipeline.discrepancy.noise.family import noise_family
 from pipeline.discrepancy.noise.learning import learn_noise

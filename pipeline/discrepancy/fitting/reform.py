@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from pipeline.discrepancy.fitting.effects import gains_of
 from pipeline.discrepancy.fitting.fit import (
     Fit,
     calibrated,
@@ -12,7 +13,7 @@ from pipeline.discrepancy.fitting.fit import (
 )
 from pipeline.discrepancy.fitting.ground import Box
 from pipeline.discrepancy.fitting.moments import settle_moments
-from pipeline.discrepancy.fitting.screen import PROMISING, gains_of
+from pipeline.discrepancy.fitting.screen import PROMISING
 from pipeline.physics.mechanism import Piece
 from pipeline.physics.term import Term
 

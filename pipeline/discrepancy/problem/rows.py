@@ -30,20 +30,22 @@ class Averaged:
         """Block means of samples (n,); NaN where one is that counts."""
         whole = len(values) // self.size
         blocks = np.asarray(values[: whole * self.size]).reshape(whole, self.size)
-        counts = self.counts
-        if np.isnan(blocks).any():
-            blocks = np.where(counts > 0.0, blocks, 0.0)
-        return np.asarray(np.einsum("ij,ij->i", blocks, counts) / counts.sum(axis=1))
+        means = np.einsum("ij,ij->i", blocks, self.shares)
+        if np.isnan(means).any():
+            counted = np.where(self.shares > 0.0, blocks, 0.0)
+            means = np.einsum("ij,ij->i", counted, self.shares)
+        return np.asarray(means)
 
     @cached_property
-    def counts(self) -> np.ndarray:
-        """1 of each sample that counts in the mean of its block, 0 of others, (rows, size)."""
+    def shares(self) -> np.ndarray:
+        """The share of each sample in the mean of its block, 0 where none counts, (rows, size)."""
         whole = len(self.motion) // self.size
         if self.known is None:
-            return np.ones((whole, self.size))
+            return np.full((whole, self.size), 1.0 / self.size)
         known = self.known[: whole * self.size].reshape(whole, self.size)
         few = 2 * known.sum(axis=1, keepdims=True) < self.size
-        return np.where(known | few, 1.0, 0.0)
+        counts = np.where(known | few, 1.0, 0.0)
+        return np.asarray(counts / counts.sum(axis=1, keepdims=True))
 
     def trace(self, mechanism: Mechanism) -> Trace:
         """The block means of what a mechanism does."""

@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from pipeline.discrepancy.fitting.effects import late
 from pipeline.discrepancy.fitting.fit import ITERATIONS, evaluate, improve
-from pipeline.discrepancy.fitting.screen import late
 from pipeline.discrepancy.search.choose import excludes
 from pipeline.discrepancy.search.played import PLAY, alone_as_play
 from pipeline.discrepancy.search.weighing import Choice, Search

@@ -5,9 +5,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from pipeline.discrepancy.fitting.effects import effects_of
 from pipeline.discrepancy.fitting.fit import ITERATIONS, evaluate, improve
 from pipeline.discrepancy.fitting.ground import ground_of
-from pipeline.discrepancy.fitting.screen import effects_of
 from pipeline.discrepancy.noise.family import JUDGED, noise_family
 from pipeline.discrepancy.noise.learning import NoisePrior, learn_noise
 from pipeline.discrepancy.problem.outliers import isolated

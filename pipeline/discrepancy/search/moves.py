@@ -3,9 +3,10 @@
 from collections.abc import Sequence
 from itertools import combinations
 
+from pipeline.discrepancy.fitting.effects import late
 from pipeline.discrepancy.fitting.fit import ITERATIONS, Fit, evaluate, improve
 from pipeline.discrepancy.fitting.reform import reformed
-from pipeline.discrepancy.fitting.screen import late, screen, started
+from pipeline.discrepancy.fitting.screen import screen, started
 from pipeline.discrepancy.search.choose import allowed, by_term
 from pipeline.discrepancy.search.growth import simpler
 from pipeline.discrepancy.search.weighing import MOST_TERMS, Choice, Search

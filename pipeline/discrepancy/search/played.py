@@ -3,10 +3,10 @@
 from collections.abc import Sequence
 from itertools import combinations, product
 
+from pipeline.discrepancy.fitting.effects import late
 from pipeline.discrepancy.fitting.fit import Fit, evaluate, improve
 from pipeline.discrepancy.fitting.ground import Ground
 from pipeline.discrepancy.fitting.reform import reformed
-from pipeline.discrepancy.fitting.screen import late
 from pipeline.discrepancy.search.choose import excludes
 from pipeline.discrepancy.search.moves import curves
 from pipeline.discrepancy.search.weighing import Choice, Search

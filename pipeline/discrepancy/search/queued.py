@@ -8,6 +8,7 @@ from collections.abc import Iterable
 import numpy as np
 from scipy.optimize import minimize
 
+from pipeline.discrepancy.fitting.effects import late
 from pipeline.discrepancy.fitting.fit import (
     Fit,
     calibrated,
@@ -15,7 +16,6 @@ from pipeline.discrepancy.fitting.fit import (
     improve,
     respond_beside,
 )
-from pipeline.discrepancy.fitting.screen import late
 from pipeline.discrepancy.search.choose import excludes
 from pipeline.discrepancy.search.weighing import Choice, Search
 from pipeline.physics.catalogue import QUEUE

@@ -2,9 +2,10 @@
 
 from collections.abc import Sequence
 
+from pipeline.discrepancy.fitting.effects import late
 from pipeline.discrepancy.fitting.fit import Fit, evaluate, improve
 from pipeline.discrepancy.fitting.ground import Ground
-from pipeline.discrepancy.fitting.screen import late, screen, started
+from pipeline.discrepancy.fitting.screen import screen, started
 from pipeline.discrepancy.search.choose import by_term, extended
 from pipeline.discrepancy.search.polish import polished
 from pipeline.discrepancy.search.refuted import misfits, refuted

@@ -6,8 +6,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from pipeline.discrepancy.fitting.charge import VOID, complexity
+from pipeline.discrepancy.fitting.effects import Effects, effects_of
 from pipeline.discrepancy.fitting.fit import Fit, calibrated, improve
-from pipeline.discrepancy.fitting.screen import Effects, effects_of
 from pipeline.discrepancy.noise.family import WHITE, NoiseFamily, Place
 from pipeline.discrepancy.problem.problem import Problem
 from pipeline.discrepancy.search.elsewhere import Key
