@@ -19,6 +19,7 @@ from pipeline.physics.driven_stretch import DrivenStretch
 from pipeline.physics.end_stop import EndStop
 from pipeline.physics.force_contact import ForceContact
 from pipeline.physics.force_lag import SWINGING, ForceLag
+from pipeline.physics.force_lost_way import FREE, ForceLostWay
 from pipeline.physics.force_play import ForcePlay
 from pipeline.physics.force_slack import ASIDE, ForceSlack
 from pipeline.physics.force_waves import ForceGravity, ForceRipple
@@ -60,6 +61,7 @@ from pipeline.physics.top_speed import TopSpeed
 from pipeline.physics.transmission_ripple import TransmissionRipple
 from pipeline.physics.turned_gravity import TURNED, TurnedGravity
 from pipeline.physics.two_ripples import TwoRipples
+from pipeline.physics.valve_damper import ValveDamper
 from pipeline.physics.viscous_friction import ViscousFriction
 from pipeline.physics.waving_drift import WavingDrift
 from pipeline.physics.worn_play import WornPlay
@@ -195,14 +197,18 @@ def further_force_terms() -> tuple[Term, ...]:
     """Terms that a force can show in fewer names than `force_terms`, which come near each of them.
 
     No step of a search leads to them from there: a spring that differs for its two sides is a
-    spring and a contact, a power of the speed is dry and viscous friction.
+    spring and a contact, as a gas is, a power of the speed is dry and viscous friction.
     """
     return (
-        ViscousFriction("power"),
+        ValveDamper(),
+        ValveDamper("relieved"),
         StribeckFriction("tustin"),
         StribeckFriction("smoothed tustin"),
         Stiffness("asymmetric"),
+        Stiffness("gas"),
         ForcePlay(),
+        ForceLostWay(),
+        ForceLostWay(FREE),
         ForceSlack(),
         ForceSlack(ASIDE),
         SettlingDrift("settling"),

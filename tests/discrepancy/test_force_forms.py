@@ -46,6 +46,16 @@ def test_a_valve_makes_a_damper_go_by_a_power_of_the_speed():
     assert "to the power of 0.5" in said
 
 
+def test_a_valve_that_blows_off_and_differs_by_direction_is_one_damper():
+    t, x, rng = motion(11)
+    v = np.gradient(x, t)
+    oil = 12.0 * np.tanh(np.abs(v) ** 1.5 * 700.0 / 12.0)
+    found = diagnosed(x, np.sign(v) * oil * np.where(v > 0.0, 1.25, 0.75), rng)
+    sizes = {"exponent": 1.5, "relief": 12.0, "asymmetry": 0.25}
+    assert_told(found, {"viscous_friction"}, {f"viscous_friction.{n}": v for n, v in sizes.items()})
+    assert "15 N rising and 9 N falling its valve blows off" in found.physics[0].says
+
+
 def test_friction_may_fall_with_the_speed_as_tustin_says():
     t, x, rng = motion(12)
     v = np.gradient(x, t)
@@ -75,6 +85,28 @@ def test_one_spring_that_differs_for_its_sides_is_no_two_buffers():
     force = 1500.0 * np.maximum(x, 0.0) + 4000.0 * np.minimum(x, 0.0) + dahl(t, x, 6.0, 4e-4)
     found = diagnosed(x, force, rng)
     assert_told(found, {"stiffness", "coulomb_friction"}, {"coulomb_friction.force": 6.0})
+
+
+@pytest.mark.parametrize("way", [1.0, -1.0])
+def test_a_gas_that_is_pressed_harder_and_harder_is_no_buffer(way: float):
+    """Boyle's law with the exponent of quick changes in air: another one than the term has."""
+    t, x, rng = motion(15)
+    room, area_force = 0.045, 60.0
+    pressed = area_force * way * ((room / (room - way * x)) ** 1.4 - 1.0)
+    found = diagnosed(x, pressed + dahl(t, x, 6.0, 4e-4), rng)
+    sizes = {"coulomb_friction.force": 6.0, "stiffness.stiffness": 1.4 * area_force / room}
+    assert_told(found, {"stiffness", "coulomb_friction"}, sizes)
+    assert ("rises" if way > 0.0 else "falls") in next(
+        p.says for p in found.physics if p.name == "stiffness"
+    )
+
+
+def test_a_zero_that_differs_a_little_from_cycle_to_cycle_is_no_drift_of_a_force():
+    t, x, rng = motion(15)
+    zero = 0.25 * NOISE * np.sin(2.0 * np.pi * t / t[-1])
+    found = diagnosed(x, 80.0 * np.gradient(x, t) + zero, rng)
+    assert {p.name for p in found.physics} == {"viscous_friction"}
+    assert found.verdict == "explained"
 
 
 def test_a_force_whose_zero_warms_up_is_foretold():

@@ -45,6 +45,37 @@ def test_a_spring_that_hangs_in_a_gap_has_play():
     told(found, "backlash", 0.05, stiffness=SPRING, width=0.003)
 
 
+def slid(x, gap, sticks, friction=25.0, reach=4e-4):
+    """The force of a slider that a pin pushes through a gap [m], stepped finely.
+
+    sticks: whether it stays in the gap; else it springs back there until nothing bends it.
+    """
+    out, bent, at = np.empty(len(x)), 0.0, x[0]
+    before = x[0]
+    for k, here in enumerate(x):
+        for pin in before + (here - before) * np.arange(1, 21) / 20:
+            still = at if sticks else at - bent * reach
+            new = min(max(still, pin), pin + gap)
+            bent, at = np.clip(bent + (new - at) / reach, -1.0, 1.0), new
+        out[k], before = friction * bent, here
+    return out
+
+
+@pytest.mark.parametrize(("sticks", "form"), [(True, "stays"), (False, "does not resist")])
+def test_friction_that_a_pin_pushes_through_a_gap_has_play(sticks: bool, form: str):
+    _, x, _ = motion(2)
+    found = beside(x, slid(x, 0.0016, sticks), slid(x, 0.0, True))
+    told(found, "backlash", 0.03, width=0.0016)
+    assert form in found.physics[0].says
+
+
+def test_friction_and_a_spring_that_no_gap_parts_from_the_pin_are_one_name():
+    _, x, _ = motion(2)
+    spring = 1200.0 * x
+    found = beside(x, slid(x, 0.0016, False) + spring, slid(x, 0.0, True) + spring)
+    told(found, "backlash", 0.03, width=0.0016, stiffness=1200.0)
+
+
 def test_a_force_that_is_many_samples_old_is_told_by_its_age():
     t, x, _ = motion(2)
     rigid = 25.0 * np.sign(np.gradient(x, t)) + SPRING * x

@@ -12,6 +12,7 @@ from pipeline.discrepancy.search.explain import Explanation
 from pipeline.discrepancy.search.weighing import Choice, names
 
 LEAST_SHARE, MOST_TOGETHER, MANY = 0.01, 0.02, 3
+FAINT_ZERO = 0.5
 LATE, LATE_SHARE = frozenset({"creep", "frame_lag", "response_lag"}), 0.04
 
 
@@ -22,14 +23,15 @@ def names_of_form(explanation: Explanation, best: Choice) -> dict[str, float]:
     not there. They stay in the corrected simulation, and are not told as physics. Such a name
     explains less than LEAST_SHARE of the mismatch (RMS), calibration apart, and all of them
     together less than MOST_TOGETHER. The one that explains least is taken out first. Of a force
-    against motion none is one: beside a weight or a spring, friction is small.
+    against motion only a drift is one (`faint_zero`): beside a weight or a spring, friction is
+    small.
 
     Where the simulation is a trace with a course in time of its own, terms act on what comes out of
     that, and what they stand for acts inside of it: they come a little early or late. So there a
     lag is one, too, that explains less than LATE_SHARE and less than the noise.
     """
     if explanation.problem.derivatives is not None:
-        return {}
+        return faint_zero(explanation, best)
     before, begun = mismatch_of(explanation, best), mean_square(explanation, best)
     noise, moves = best.fit.ground.noise.deviation**2, moves_by_itself(explanation.problem)
     told, found = best, {}
@@ -50,6 +52,23 @@ def names_of_form(explanation: Explanation, best: Choice) -> dict[str, float]:
             break
         _, name, own, told = min(formal, key=lambda f: f[0])
         found[name] = float(np.sqrt(own / before))
+    return found
+
+
+def faint_zero(explanation: Explanation, best: Choice) -> dict[str, float]:
+    """A force's drift that explains less than FAINT_ZERO of the noise (RMS), and its share.
+
+    Noise of a force is not known by repeats: where the zero differs a little from cycle to cycle,
+    any slow course follows some of that, and many samples make it sure.
+    """
+    noise, before = best.fit.ground.noise.deviation, mismatch_of(explanation, best)
+    found = {}
+    for name in best.fit.slow:
+        rest = [p for p in best.fit.pieces if p.term.name != name]
+        trial = replace(best, fit=improve(evaluate(best.fit.ground, rest)))
+        own = mean_square(explanation, trial) - mean_square(explanation, best)
+        if own < (FAINT_ZERO * noise) ** 2:
+            found[name] = float(np.sqrt(max(own, 0.0) / max(before, noise**2)))
     return found
 
 

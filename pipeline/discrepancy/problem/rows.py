@@ -30,22 +30,26 @@ class Averaged:
         """Block means of samples (n,); NaN where one is that counts."""
         whole = len(values) // self.size
         blocks = np.asarray(values[: whole * self.size]).reshape(whole, self.size)
-        means = np.einsum("ij,ij->i", blocks, self.shares)
-        if np.isnan(means).any():
-            counted = np.where(self.shares > 0.0, blocks, 0.0)
-            means = np.einsum("ij,ij->i", counted, self.shares)
-        return np.asarray(means)
+        sums = np.einsum("ij,ij->i", blocks, self.counts)
+        if np.isnan(sums).any():
+            counted = np.where(self.counts > 0.0, blocks, 0.0)
+            sums = np.einsum("ij,ij->i", counted, self.counts)
+        return np.asarray(sums / self.counted)
 
     @cached_property
-    def shares(self) -> np.ndarray:
-        """The share of each sample in the mean of its block, 0 where none counts, (rows, size)."""
+    def counts(self) -> np.ndarray:
+        """1 of each sample that counts in the mean of its block, 0 of others, (rows, size)."""
         whole = len(self.motion) // self.size
         if self.known is None:
-            return np.full((whole, self.size), 1.0 / self.size)
+            return np.ones((whole, self.size))
         known = self.known[: whole * self.size].reshape(whole, self.size)
         few = 2 * known.sum(axis=1, keepdims=True) < self.size
-        counts = np.where(known | few, 1.0, 0.0)
-        return np.asarray(counts / counts.sum(axis=1, keepdims=True))
+        return np.where(known | few, 1.0, 0.0)
+
+    @cached_property
+    def counted(self) -> np.ndarray:
+        """How many samples count in each block, (rows,)."""
+        return np.asarray(self.counts.sum(axis=1))
 
     def trace(self, mechanism: Mechanism) -> Trace:
         """The block means of what a mechanism does."""
