@@ -11,7 +11,8 @@ from pipeline.physics.pre_sliding import weighted
 from pipeline.physics.term import Parameter, Surroundings
 
 EXPONENTS, POWER = (0.4, 0.7, 1.5), (0.2, 2.0)
-RELIEFS, LEAST_RELIEF = (0.15, 0.5), 1e-3
+RELIEF, LEAST_RELIEF = 0.4, 1e-3
+BEYOND = (0.5, 2.0, 8.0)
 GOES = "and goes with the speed to the power of"
 
 
@@ -46,7 +47,7 @@ class ValveDamper(ForceTerm):
         )
         if self.blows_off:
             own += (Parameter("relief", around.angle_unit, LEAST_RELIEF * force, 4.0 * force,
-                              0.5 * force, 0.0, relative=True),)  # fmt: skip
+                              RELIEF * force, 0.0, relative=True),)  # fmt: skip
         return (*own, ASYMMETRY) if self.sided else own
 
     def force(
@@ -62,12 +63,13 @@ class ValveDamper(ForceTerm):
         return float(values[-1]) if self.sided else 0.0
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
-        top, size = max(around.top_speed, 1e-12), 0.05 * around.angle_span
         start = {p.name: p.start for p in self.parameters(around)}
-        reliefs = around.angle_span * np.array(RELIEFS) if self.blows_off else np.zeros(1)
+        top, relief = max(around.top_speed, 1e-12), RELIEF * around.angle_span
+        shares = BEYOND if self.blows_off else (0.05 / RELIEF,)
         rows = []
-        for exponent, relief in product(EXPONENTS, reliefs):
-            own = {**start, "damping": size / top**exponent, "exponent": exponent, "relief": relief}
+        for exponent, share in product(EXPONENTS, shares):
+            damping = share * relief / top**exponent
+            own = {**start, "damping": damping, "exponent": exponent, "relief": relief}
             rows.append([own[name] for name in start])
         return np.array(rows)
 
