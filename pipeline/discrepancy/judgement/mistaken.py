@@ -3,6 +3,7 @@
 from collections.abc import Container
 
 import numpy as np
+from scipy.special import stdtr
 
 from pipeline.discrepancy.judgement.cycle_zero import about_each_zero
 from pipeline.discrepancy.judgement.loudness import loudness
@@ -22,6 +23,7 @@ FEWEST, FEWEST_FAR = 3, 2
 CREDIBLE, NEARLY_ALL = 3.0, 0.8
 FAR = 10.0
 BY_CHANCE = 1e-3
+HEAVY, EXPECTED = 3.0, 0.3
 Z, SURELY = 1.96, 0.97
 AGAIN = "In {share:.2g} of the samples the sensor says again what it said in the one before."
 STALE = (
@@ -39,10 +41,10 @@ def mistaken_frames(
     unexplained: whether a structured rest is left: of that a few samples stand off as well, but by
     less than FAR times the noise, or after steps of other lengths than the rest. None either where
     they come after waits of other lengths, or beside an old frame nearly all lie between two poses:
-    then they show what was still on its way.
+    then they show what was still on its way. Nor where noise with heavy tails throws some as far.
     """
     found = share_and_size(explanation)
-    if found is None:
+    if found is None or of_heavy_tails(explanation, found[1].value):
         return None
     noise = explanation.choices[0].fit.ground.noise.deviation
     few = alone(incredible(explanation)) < FEWEST
@@ -65,6 +67,21 @@ def mistaken_frames(
         alternatives=(),
         says=said_of(name, found, explanation.problem),
     )
+
+
+def of_heavy_tails(explanation: Explanation, size: float) -> bool:
+    """Whether noise with the tails of the other rows throws some of them as far as that.
+
+    Student's t with their kurtosis, where that is surely not a Gaussian's, says how many.
+    """
+    fit = explanation.choices[0].fit
+    squares = fit.innovations**2
+    excess = float(np.mean(squares**2) / np.mean(squares) ** 2) - 3.0
+    if excess < HEAVY * np.sqrt(24.0 / len(squares)):
+        return False
+    freedom = 4.0 + 6.0 / excess
+    far = size / fit.ground.noise.deviation * np.sqrt(freedom / (freedom - 2.0))
+    return bool(2.0 * len(squares) * stdtr(freedom, -far) > EXPECTED)
 
 
 def share_and_size(explanation: Explanation) -> tuple[Estimate, Estimate] | None:
