@@ -1,5 +1,6 @@
 """Names that explain less than what the form of others leaves."""
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -11,21 +12,26 @@ from pipeline.discrepancy.search.explain import Explanation
 from pipeline.discrepancy.search.weighing import LEAST_GAIN
 from pipeline.physics.catalogue import term
 from pipeline.physics.mechanism import Piece
+from pipeline.physics.term import Term
 from tests.discrepancy.made import explained, recorded
 
 RIPPLE = term("transmission_ripple")
+Named = dict[str, float]
 
 
-def rippled(amplitude: float, **others: dict[str, float]) -> Explanation:
-    """An explanation whose best choice has a ripple beside the others, as if it were worth it."""
-    ripple = {"amplitude": amplitude, "period": 30.0, "phase": 1.0}
-    recording = recorded({**others, "transmission_ripple": ripple}, seed=1)
+def beside(own: Term, values: Named, others: Mapping[str, Named]) -> Explanation:
+    """An explanation whose best choice has a term beside the others, as if it were worth it."""
+    recording = recorded({**others, f"{own.name}/{own.form}": values}, seed=1)
     found = explained(recording)
     best = next(c for c in found.choices if set(c.fit.names) >= set(others))
     kept = [p for p in best.fit.pieces if p.term.name in others]
-    wave = Piece(RIPPLE, np.array([amplitude, 30.0, 1.0]))
-    fit = improve(evaluate(best.fit.ground, [*kept, wave]))
+    piece = Piece(own, np.array(list(values.values())))
+    fit = improve(evaluate(best.fit.ground, [*kept, piece]))
     return replace(found, choices=[replace(best, fit=fit, score=-1e6), *found.choices])
+
+
+def rippled(amplitude: float, **others: Named) -> Explanation:
+    return beside(RIPPLE, {"amplitude": amplitude, "period": 30.0, "phase": 1.0}, others)
 
 
 @pytest.mark.parametrize(("amplitude", "stays"), [(0.05, False), (0.3, True)])
@@ -44,6 +50,12 @@ def test_a_faint_name_that_is_one_of_two_stands_by_what_it_earns(amplitude: floa
     assert (firm is found) == stays
     assert "backlash" in firm.choices[0].fit.names
     assert (RIPPLE.name in firm.choices[0].fit.names) == stays
+
+
+@pytest.mark.parametrize(("lag", "stays"), [(0.01, False), (0.05, True)])
+def test_what_comes_hardly_late_beside_one_other_name_is_its_form(lag: float, stays: bool):
+    found = beside(term("frame_lag", "frames"), {"lag": lag}, {"end_stop": {"angle": 30.0}})
+    assert (without_faint(found) is found) == stays
 
 
 def test_each_name_that_others_have_more_of_has_to_earn_what_a_search_asks():

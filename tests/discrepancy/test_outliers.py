@@ -8,6 +8,7 @@ import pytest
 
 from pipeline.discrepancy.fitting.fit import evaluate
 from pipeline.discrepancy.fitting.ground import ground_of
+from pipeline.discrepancy.judgement import mistaken
 from pipeline.discrepancy.judgement.mistaken import after_some, on_their_way, share_and_size
 from pipeline.discrepancy.noise.noise import NoiseModel
 from pipeline.discrepancy.problem.outliers import bursts, isolated, longest_burst
@@ -195,3 +196,14 @@ def test_what_lies_between_two_poses_beside_an_old_frame_was_not_mistaken(betwee
     explanation = replace(explanation_of([late]), outliers=off != 0.0)
     assert on_their_way(explanation) == between
     assert not on_their_way(replace(explanation, choices=[chosen(ground, 0.0)]))
+
+
+def test_noise_with_heavy_tails_is_no_mistaken_marker(monkeypatch: pytest.MonkeyPatch) -> None:
+    """One sample of four is 2.2 times as noisy, as where light flickers."""
+    play = recorded({"backlash": {"width": 3.0}}, noise=0.0, cycles=20)
+    rng, values = np.random.default_rng(1), play.values(ANGLE)
+    spread = NOISE * rng.choice([1.0, 1.0, 1.0, 2.2], len(values))
+    heavy = changed(play, **{ANGLE: values + spread * rng.standard_normal(len(values))})
+    assert names(diagnosed(heavy)) == {"backlash"}
+    monkeypatch.setattr(mistaken, "of_heavy_tails", lambda *_: False)
+    assert names(diagnosed(heavy)) == {"backlash", "marker_outliers"}
