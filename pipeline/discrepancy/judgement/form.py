@@ -13,7 +13,8 @@ from pipeline.discrepancy.search.weighing import Choice, names
 
 LEAST_SHARE, MOST_TOGETHER, MANY = 0.01, 0.02, 3
 FAINT_ZERO = 0.5
-LATE, LATE_SHARE = frozenset({"creep", "frame_lag", "response_lag"}), 0.04
+LATE = frozenset({"creep", "frame_lag", "response_lag"})
+LATE_SHARE, LATE_SIZE = 0.25, 0.75
 
 
 def names_of_form(explanation: Explanation, best: Choice) -> dict[str, float]:
@@ -28,7 +29,7 @@ def names_of_form(explanation: Explanation, best: Choice) -> dict[str, float]:
 
     Where the simulation is a trace with a course in time of its own, terms act on what comes out of
     that, and what they stand for acts inside of it: they come a little early or late. So there a
-    lag is one, too, that explains less than LATE_SHARE and less than the noise.
+    lag is one, too, that explains less than LATE_SHARE and less than LATE_SIZE of the noise.
     """
     if explanation.problem.derivatives is not None:
         return faint_zero(explanation, best)
@@ -46,7 +47,7 @@ def names_of_form(explanation: Explanation, best: Choice) -> dict[str, float]:
             share, together = (LATE_SHARE, LATE_SHARE) if late else (LEAST_SHARE, MOST_TOGETHER)
             own = max(left - left_now, 0.0)
             little = own <= share**2 * before and left - begun <= together**2 * before
-            if little and not (late and own > noise):
+            if little and not (late and own > LATE_SIZE**2 * noise):
                 formal.append((left, name, own, trial))
         if not formal:
             break
