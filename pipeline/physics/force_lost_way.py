@@ -142,9 +142,8 @@ def _free(x, resists, width, kept, begun):  # type: ignore[no-untyped-def]
                 apart = (
                     abs(moved) * min(last / (last - before), 1.0) if side * before > 0.0 else 0.0
                 )
-                parted = min(apart, width)
-                side, free, spent = (-side, 0.0, spent) if apart >= width else (side, 1.0, spent)
-                spent += parted
+                side, free = (-side, 0.0) if apart >= width else (side, 1.0)
+                spent += min(apart, width)
                 at = turn
                 last, at = _then(x, resists, at, i, x[i] - way * spent, way)
         if free > 0.0:

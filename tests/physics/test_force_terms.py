@@ -382,3 +382,20 @@ def test_there_is_too_much_mass_only_where_the_simulation_has_some():
         around = replace(AROUND, simulated=True, accelerating=accelerating)
         (mass,) = Inertia().parameters(around)
         assert (mass.low < 0.0) == accelerating
+
+
+@pytest.mark.parametrize("form", [t.form for t in EVERY if t.form.startswith("force of a")])
+@pytest.mark.parametrize("size", [1, 37, 400])
+def test_what_hangs_on_a_pin_goes_on_from_block_to_block(form: str, size: int):
+    """Through reversals within the gap, at its ends and beyond."""
+    m = swing(seconds=2.0)
+    x = m.drive + 0.03 * np.sin(31.0 * m.time_s)
+    resists = 20.0 * np.tanh(np.gradient(x, m.time_s) / 0.05) + 40.0 * x
+    m = replace(m, drive=x, kinetics=replace(m.kinetics, simulated=resists))
+    mechanism = Mechanism(pieces=[Piece(term("backlash", form), np.array([0.04, 40.0]))])
+    whole, parts, state = mechanism.respond(m)[0], [], None
+    for first in range(0, len(m), size):
+        force, state = mechanism.respond(m.rows(slice(first, first + size)), state)
+        parts.append(force)
+    np.testing.assert_allclose(np.concatenate(parts), whole, atol=1e-12)
+    assert np.ptp(whole - resists) > 20.0
