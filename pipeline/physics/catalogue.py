@@ -18,6 +18,7 @@ from pipeline.physics.driven_bank import DrivenBank
 from pipeline.physics.driven_stretch import DrivenStretch
 from pipeline.physics.end_stop import EndStop
 from pipeline.physics.force_contact import ForceContact
+from pipeline.physics.force_idle_way import ForceIdleWay
 from pipeline.physics.force_lag import SWINGING, ForceLag
 from pipeline.physics.force_lost_way import FREE, ForceLostWay
 from pipeline.physics.force_play import ForcePlay
@@ -209,6 +210,7 @@ def further_force_terms() -> tuple[Term, ...]:
         ForcePlay(),
         ForceLostWay(),
         ForceLostWay(FREE),
+        ForceIdleWay(),
         ForceSlack(),
         ForceSlack(ASIDE),
         SettlingDrift("settling"),

@@ -32,6 +32,11 @@ class ForceLostWay(Term):
     unlikely = 2.0
     says = "What is simulated hangs on a pin in a gap of {width}: after each reversal it "
 
+    @property
+    def stays(self) -> str:
+        """What it does in the gap."""
+        return "does not resist in there" if self.form == FREE else "stays, until that is crossed"
+
     def __init__(self, form: str = HELD) -> None:
         self.form = form
 
@@ -59,17 +64,19 @@ class ForceLostWay(Term):
         return out + stiffness * motion.drive, np.concatenate([begun, x[first:], resists[first:]])
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
-        stiffness = around.angle_span / max(around.drive_span, 1e-12)
+        """With all that the simulation has of a spring pushed at once, and with none."""
+        assert motion.kinetics is not None
+        slope = float(np.polyfit(motion.drive, motion.kinetics.simulated, 1)[0])
+        stiff = float(np.clip(slope, 0.0, self.parameters(around)[1].high))
         widths = around.drive_span * np.array((0.3 * WIDTHS[0], *WIDTHS))
-        return np.array([[width, share * stiffness] for width in widths for share in (0.0, 0.5)])
+        return np.array([[width, own] for width in widths for own in (0.0, stiff)])
 
     def excited(self, motion: Motion, around: Surroundings) -> bool:
         """Where something is simulated that resists."""
         return motion.kinetics is not None and around.resisting and around.drive_span > 0.0
 
     def sentence(self, values: np.ndarray, around: Surroundings) -> str:
-        gap = "does not resist in there" if self.form == FREE else "stays, until that is crossed"
-        told = f"{super().sentence(values, around)}{gap}."
+        told = f"{super().sentence(values, around)}{self.stays}."
         if values[1] == 0.0:
             return told
         return f"{told} A spring of {worded(values[1])} {per(around, 0)} is pushed at once."

@@ -1,5 +1,6 @@
 """A damper with a valve: its force goes by a power of the speed, until the valve blows off."""
 
+from dataclasses import replace
 from itertools import product
 from typing import ClassVar
 
@@ -20,9 +21,10 @@ class ValveDamper(ForceTerm):
     """F = damping |v|^exponent sgn v.
 
     Form "relieved" blows off at the force `relief`: relief tanh(damping |v|^exponent / relief) sgn
-    v. Each of them also "asymmetric": 1 + asymmetry sgn v times as large. Source: Constantinou and
-    Symans, Struct. Des. Tall Build. 2 (1993) 93 (power); Duym, Veh. Syst. Dyn. 33 (2000) 85 (the
-    blow-off of a shock absorber's valve).
+    v, and is no correction of what the simulation has. Each of them also "asymmetric": 1 +
+    asymmetry sgn v times as large. Source: Constantinou and Symans, Struct. Des. Tall Build. 2
+    (1993) 93 (power); Duym, Veh. Syst. Dyn. 33 (2000) 85 (the blow-off of a shock absorber's
+    valve).
     """
 
     name = "viscous_friction"
@@ -46,6 +48,7 @@ class ValveDamper(ForceTerm):
             Parameter("exponent", "", *POWER, 1.0, 0.5),
         )
         if self.blows_off:
+            own = (replace(own[0], low=0.0), own[1])
             own += (Parameter("relief", around.angle_unit, LEAST_RELIEF * force, 4.0 * force,
                               RELIEF * force, 0.0, relative=True),)  # fmt: skip
         return (*own, ASYMMETRY) if self.sided else own

@@ -69,6 +69,22 @@ def test_friction_that_a_pin_pushes_through_a_gap_has_play(sticks: bool, form: s
     assert form in found.physics[0].says
 
 
+def test_a_piston_in_oil_whose_rod_has_play_stands_still_in_it():
+    t, x, _ = motion(2)
+    fine_s = np.linspace(t[0], t[-1], 50 * (len(t) - 1) + 1)
+    rod = np.interp(fine_s, t, x)
+    at, piston = rod[0], np.empty(len(rod))
+    for k, here in enumerate(rod):
+        at = min(max(at, here - 0.001), here + 0.001)
+        piston[k] = at
+    v = np.gradient(rod, fine_s), np.gradient(piston, fine_s)
+    oil = [200.0 * np.interp(t, fine_s, w) for w in v]
+    found = beside(x, oil[1] + SPRING * x, oil[0] + SPRING * x)
+    assert {p.name for p in found.physics} == {"backlash"}
+    assert parameters(found)["backlash.width"].value == pytest.approx(0.002, rel=0.1)
+    assert "stands still" in found.physics[0].says
+
+
 def test_friction_and_a_spring_that_no_gap_parts_from_the_pin_are_one_name():
     _, x, _ = motion(2)
     spring = 1200.0 * x
