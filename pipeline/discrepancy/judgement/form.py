@@ -57,13 +57,14 @@ def names_of_form(explanation: Explanation, best: Choice) -> dict[str, float]:
 
 
 def faint_zero(explanation: Explanation, best: Choice) -> dict[str, float]:
-    """A force's drift that explains less than FAINT_ZERO of the noise (RMS), and its share.
+    """A force's drift that explains less than FAINT_ZERO of a sample's noise (RMS), and its share.
 
     Noise of a force is not known by repeats: where the zero differs a little from cycle to cycle,
     any slow course follows some of that, and many samples make it sure.
     """
-    noise, before = best.fit.ground.noise.deviation, mismatch_of(explanation, best)
-    found = {}
+    blocks = explanation.problem.averaged
+    noise = best.fit.ground.noise.deviation * np.sqrt(blocks.size if blocks is not None else 1)
+    before, found = mismatch_of(explanation, best), {}
     for name in best.fit.slow:
         rest = [p for p in best.fit.pieces if p.term.name != name]
         trial = replace(best, fit=improve(evaluate(best.fit.ground, rest)))
