@@ -62,7 +62,6 @@ from pipeline.physics.top_speed import TopSpeed
 from pipeline.physics.transmission_ripple import TransmissionRipple
 from pipeline.physics.turned_gravity import TURNED, TurnedGravity
 from pipeline.physics.two_ripples import TwoRipples
-from pipeline.physics.valve_damper import ValveDamper
 from pipeline.physics.viscous_friction import ViscousFriction
 from pipeline.physics.waving_drift import WavingDrift
 from pipeline.physics.worn_play import WornPlay
@@ -201,8 +200,7 @@ def further_force_terms() -> tuple[Term, ...]:
     spring and a contact, as a gas is, a power of the speed is dry and viscous friction.
     """
     return (
-        ValveDamper(),
-        ValveDamper("relieved"),
+        ViscousFriction("power"),
         StribeckFriction("tustin"),
         StribeckFriction("smoothed tustin"),
         Stiffness("asymmetric"),

@@ -13,6 +13,7 @@ from pipeline.physics.pre_sliding import weighted
 from pipeline.physics.term import Parameter, Surroundings
 
 SHARES = (0.01, 0.03, 0.1, 0.3)
+EXPONENTS, POWER = (0.4, 0.7, 1.5), (0.2, 2.0)
 
 
 def relaxation_of(around: Surroundings) -> Parameter:
@@ -42,10 +43,12 @@ class ViscousFriction(ForceTerm):
 
     Form "asymmetric" differs for the two directions: damping * v (1 + asymmetry sgn v). Form
     "square" is (damping + square |v|) v, as of oil in an orifice, or of the air; "asymmetric
-    square" is both. Form "sprung" has a spring of damping / relaxation in series: F + relaxation F'
-    = damping * v, as oil that gives, a soft mount, rubber; at first it resists the speed `begun`.
-    Source: Stokes (1851); one coefficient for each direction as in Hamon, Gautier and Garrec, IROS
-    2010; Newton (1687; square); Maxwell, Phil. Trans. 157 (1867) 49 (sprung).
+    square" is both; "power" is damping |v|^exponent sgn v, as of a damper's valve. Form "sprung"
+    has a spring of damping / relaxation in series: F + relaxation F' = damping * v, as oil that
+    gives, a soft mount, rubber; at first it resists the speed `begun`. Source: Stokes (1851); one
+    coefficient for each direction as in Hamon, Gautier and Garrec, IROS 2010; Newton (1687;
+    square); Constantinou and Symans, Struct. Des. Tall Build. 2 (1993) 93 (power); Maxwell, Phil.
+    Trans. 157 (1867) 49 (sprung).
     """
 
     name = "viscous_friction"
@@ -66,6 +69,11 @@ class ViscousFriction(ForceTerm):
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
         top = max(around.top_speed, 1e-12)
+        if self.form == "power":
+            most = 4.0 * around.angle_span / min(top**exponent for exponent in POWER)
+            by_speed = f"{around.angle_unit} per {around.drive_unit}/s to the exponent"
+            own = resistance("damping", by_speed, most, around)
+            return own, Parameter("exponent", "", *POWER, 1.0, 0.5)
         own = resistance("damping", per(around, 1), 4.0 * around.angle_span / top, around)
         if self.form == "sprung":
             return (own, relaxation_of(around), begun_at(around))
@@ -87,10 +95,16 @@ class ViscousFriction(ForceTerm):
         if self.form == "sprung":
             pulled, after = _sprung(motion, float(values[1]), float(values[2]), state)
             return values[0] * pulled, after
+        if self.form == "power":
+            speed = np.abs(kinetics.velocity)
+            return values[0] * np.sign(kinetics.velocity) * speed ** values[1], state
         v, square = kinetics.velocity, self.square(values)
         return weighted((values[0] + square * np.abs(v)) * v, self.asymmetry(values)), state
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
+        if self.form == "power":
+            top, size = max(around.top_speed, 1e-12), 0.05 * around.angle_span
+            return np.array([[size / top**exponent, exponent] for exponent in EXPONENTS])
         found = super().candidates(motion, around)
         if self.form == "sprung":
             found = np.repeat(found, len(SHARES), axis=0)
@@ -111,6 +125,12 @@ class ViscousFriction(ForceTerm):
         if self.form == "sprung":
             size = both_ways(float(values[0]), 0.0, per(around, 1))
             return f"{told} {size} behind a spring that it lets go of in {worded(values[1])} s."
+        if self.form == "power":
+            one = f"1 {around.drive_unit}/s"
+            return (
+                f"{told} {worded(values[0])} {around.angle_unit} at {one}, and goes with the speed "
+                f"to the power of {values[1]:.2g}."
+            )
         asymmetry = self.asymmetry(values)
         ways = both_ways(float(values[0]), asymmetry, per(around, 1))
         if "square" not in self.form:

@@ -46,16 +46,6 @@ def test_a_valve_makes_a_damper_go_by_a_power_of_the_speed():
     assert "to the power of 0.5" in said
 
 
-def test_a_valve_that_blows_off_and_differs_by_direction_is_one_damper():
-    t, x, rng = motion(11)
-    v = np.gradient(x, t)
-    oil = 12.0 * np.tanh(np.abs(v) ** 1.5 * 700.0 / 12.0)
-    found = diagnosed(x, np.sign(v) * oil * np.where(v > 0.0, 1.25, 0.75), rng)
-    sizes = {"exponent": 1.5, "relief": 12.0, "asymmetry": 0.25}
-    assert_told(found, {"viscous_friction"}, {f"viscous_friction.{n}": v for n, v in sizes.items()})
-    assert "N falling its valve blows off" in found.physics[0].says
-
-
 def test_friction_may_fall_with_the_speed_as_tustin_says():
     t, x, rng = motion(12)
     v = np.gradient(x, t)

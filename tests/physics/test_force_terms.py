@@ -68,11 +68,6 @@ def test_forces_are_what_their_equations_say():
         atol=1e-12,
     )
     np.testing.assert_allclose(
-        answer("viscous_friction", "asymmetric relieved", [3.0, 0.5, 2.0, 0.2], m),
-        2.0 * np.tanh(1.5 * np.sqrt(np.abs(v))) * np.where(v > 0, 1.2, -0.8),
-        atol=1e-12,
-    )
-    np.testing.assert_allclose(
         answer("stiffness", "gas", [7.0, -4.0], m),
         7.0 * (1.0 - (1.0 + 4.0 * m.drive) ** -1.3) / (4.0 * 1.3),
         atol=1e-12,
