@@ -9,7 +9,7 @@ from scipy.signal import decimate
 
 from pipeline.discrepancy.model.model import CorrectedModel
 from pipeline.discrepancy.model.result import Diagnosis, Evidence
-from pipeline.discrepancy.problem.rows import Averaged
+from pipeline.discrepancy.problem.rows import Averaged, averaged_evenly
 from pipeline.models.force_laws import LAWS, Features, stops_of, symmetric_weights
 from pipeline.physics.force_motion import force_motion
 from pipeline.physics.motion import Motion
@@ -57,7 +57,7 @@ def errors_table(
     motions = [motion_for(replace(model, delay_s=0.0), r, cutoff_hz) for r in recordings]
     forces = [r.values(name) for r in recordings]
     span = float(np.ptp(motions[0].drive))
-    blocks = Averaged(motions[0], DECIMATION)
+    blocks = averaged_evenly(motions[0], DECIMATION)
     rows = blocks.mean(evidence.train.astype(float)) == 1.0
     learnt = _features(motions[0], span, blocks, rows)
     force = blocks.mean(forces[0])[rows]
@@ -108,7 +108,7 @@ def parameters_table(
     found["delay"] = (np.nan if delay is None else delay, np.nan, np.nan, "s")
     name = diagnosis.measurement
     motion = force_motion(fitted, evidence.drive, np.zeros(len(fitted.samples)), cutoff_hz)[0]
-    blocks = Averaged(motion, DECIMATION)
+    blocks = averaged_evenly(motion, DECIMATION)
     every = np.ones(len(motion) // DECIMATION, dtype=bool)
     features = _features(motion, float(np.ptp(motion.drive)), blocks, every)
     plain = dict(zip(

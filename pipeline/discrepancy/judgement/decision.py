@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from pipeline.discrepancy.fitting.charge import absurd_calibration
+from pipeline.discrepancy.judgement.cancelling import CANCELLED, cancelling
 from pipeline.discrepancy.judgement.form import one_for_many
 from pipeline.discrepancy.judgement.proof import counted_errors, disproved, strained
 from pipeline.discrepancy.judgement.rivals import mechanism_of
@@ -44,6 +45,8 @@ def decided(problem: Problem, explanation: Explanation) -> tuple[Choice, Structu
     absurd = absurd_calibration(best.fit)
     if not follows(explanation, best):
         structure, best = replace(structure, found=True, where="everywhere"), base
+    elif cancelling(best):
+        structure, best = replace(structure, found=True, where=CANCELLED), base
     elif absurd is not None:
         structure = replace(structure, found=True, where=absurd)
     unrepeated = explanation.prior.repeats == 0 and problem.derivatives is None and testable(best)

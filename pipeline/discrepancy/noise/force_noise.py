@@ -8,7 +8,7 @@ from pipeline.discrepancy.noise.hats import hats
 from pipeline.discrepancy.noise.noise import SLOW_CORRELATION, NoiseModel
 from pipeline.discrepancy.noise.serial import fit_serial_noise
 from pipeline.discrepancy.problem.problem import Problem
-from pipeline.discrepancy.problem.rows import Averaged
+from pipeline.discrepancy.problem.rows import Averaged, averaged_evenly
 from pipeline.physics.mechanism import Mechanism
 from pipeline.physics.motion import Kinetics
 from pipeline.physics.pre_sliding import sliding
@@ -55,15 +55,14 @@ def noise_of_samples(
     problem: with all samples; its training rows within `blocks` tell. Block means are no noisier
     than what a mechanism leaves of them: terms may fit a force better than a flexible law does.
     """
-    rows = len(blocks.motion) // blocks.size * blocks.size
-    left = (problem.measured - mechanism.respond(problem.motion)[0])[:rows]
-    means = np.repeat(blocks.mean(left), blocks.size)
-    within = (left - means) ** 2
-    wanted = problem.train[:rows] & np.isfinite(within)
+    left = problem.measured - mechanism.respond(problem.motion)[0]
+    means = blocks.mean(left)[:, None]
+    within = (left[blocks.samples] - means) ** 2
+    wanted = problem.train[blocks.samples] & np.isfinite(within)
     if not wanted.any():
         return noise
     inside = float(np.median(within[wanted])) / MEDIAN_SQUARE
-    between = min(noise.white**2, float(np.mean(means[wanted] ** 2)))
+    between = min(noise.white**2, float(np.mean(np.broadcast_to(means, wanted.shape)[wanted] ** 2)))
     return replace(noise, white=float(np.sqrt(between + inside)))
 
 
@@ -72,7 +71,7 @@ def _law(problem: Problem, kinetics: Kinetics) -> np.ndarray:
     x = (problem.motion.drive - around.drive_low) / max(around.drive_span, 1e-300) - 0.5
     v = kinetics.velocity / max(around.top_speed, 1e-300)
     a = kinetics.acceleration
-    blocks = problem.averaged or Averaged(problem.motion, 1)
+    blocks = problem.averaged or averaged_evenly(problem.motion, 1)
     reaches = np.array(REACHES) * around.drive_span
     way, rows = blocks.motion.way
     banks = [sliding(way, r, 1.0, None)[0][rows] for r in reaches]

@@ -7,7 +7,8 @@ import numpy as np
 from pipeline.config import DiagnosisConfig
 from pipeline.discrepancy.problem.fitted import goes_by, tolerance_of_fit, tolerance_of_rigid
 from pipeline.discrepancy.problem.problem import Problem, held_out_rows, refuse_unfit
-from pipeline.discrepancy.problem.rows import Averaged
+from pipeline.discrepancy.problem.repeats import driven_again, rows_of_cycles
+from pipeline.discrepancy.problem.rows import Averaged, one_after_another
 from pipeline.discrepancy.problem.stale import NONE_STALE, hung_samples
 from pipeline.physics.force_motion import force_motion
 from pipeline.physics.force_units import position_unit
@@ -106,7 +107,8 @@ def averaged(problem: Problem) -> tuple[Problem, int]:
     """The problem of a force with block means as rows, and how many samples make one.
 
     Blocks are as long as leaves 2.5 rows to a period of the cut-off, shorter where that would leave
-    fewer than FEWEST_ROWS, and longer where there would be more than MOST_ROWS. The mean of a
+    fewer than FEWEST_ROWS, and longer where there would be more than MOST_ROWS; see `block_begins`.
+    The mean of a
     block is the low-pass before that decimation, the same for the measured force and for what each
     term adds (the parallel filter of Gautier, Janot and Vandanjon, IEEE Trans. Control Syst.
     Technol. 21 (2013) 428). A block counts as fitted where all its known samples do.
@@ -119,15 +121,15 @@ def averaged(problem: Problem) -> tuple[Problem, int]:
     size = max(min(by_cutoff, roomy), -(-last // MOST_ROWS), 1)
     fine = problem.motion.rows(slice(0, max(last, size)))
     known = (problem.train | problem.heldout)[: len(fine)]
-    blocks = Averaged(fine, size, known)
+    begins = block_begins(problem.rows(np.arange(len(fine))), size)
+    blocks = Averaged(fine, size, begins, known)
     kinetics = fine.kinetics
     assert kinetics is not None
-    first = np.arange(0, len(fine) // size * size, size)
     n = len(fine)
     motion = Motion(
         drive=blocks.mean(fine.drive),
         time_s=blocks.mean(fine.time_s),
-        cycle=fine.cycle[first],
+        cycle=fine.cycle[begins],
         radian=fine.radian,
         kinetics=Kinetics(
             blocks.mean(kinetics.velocity),
@@ -145,3 +147,15 @@ def averaged(problem: Problem) -> tuple[Problem, int]:
         averaged=blocks,
     )
     return small, size
+
+
+def block_begins(problem: Problem, size: int) -> np.ndarray:
+    """The first sample of each block of `size`, (rows,); the last few samples are left out.
+
+    Where cycles repeat each other, blocks begin anew with each, and its last few samples are left
+    out: else their means would be over other parts of the same motion, and would not repeat.
+    """
+    if size == 1 or not driven_again(problem):
+        return one_after_another(len(problem.motion), size)
+    cycles = rows_of_cycles(problem).values()
+    return np.concatenate([rows[: len(rows) // size * size : size] for rows in cycles])

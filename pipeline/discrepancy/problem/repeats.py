@@ -1,11 +1,13 @@
 """Which cycles of a recording repeat each other, row by row."""
 
+from dataclasses import replace
+
 import numpy as np
 from numba import njit
 
 from pipeline.discrepancy.problem.problem import Problem
 
-SAME_COMMAND, REACH, ENOUGH_IN_COMMON = 1e-3, 6, 0.8
+SAME_COMMAND, EXACTLY, REACH, ENOUGH_IN_COMMON = 1e-3, 1e-6, 6, 0.8
 
 
 def repeated_cycles(problem: Problem, alone: bool = False) -> list[np.ndarray]:
@@ -26,15 +28,20 @@ def repeated_cycles(problem: Problem, alone: bool = False) -> list[np.ndarray]:
     ]  # fmt: skip
 
 
-def same_motions(problem: Problem, alone: bool = False) -> list[np.ndarray]:
-    """The same with all rows that the cycles have in common, those before a first reversal too."""
+def same_motions(
+    problem: Problem, alone: bool = False, within: float = SAME_COMMAND
+) -> list[np.ndarray]:
+    """The same with all rows that the cycles have in common, those before a first reversal too.
+
+    within: by how much of their ranges the commands of a step may differ.
+    """
     signals, dwell = driven(problem, alone)
     groups: list[list[np.ndarray]] = []
     for rows in rows_of_cycles(problem).values():
         if not problem.train[rows].any():
             continue
         for group in groups:
-            same = repeating(signals, dwell, group[0], rows)
+            same = repeating(signals, dwell, group[0], rows, within)
             if same is not None:
                 group.append(same)
                 break
@@ -61,13 +68,15 @@ def driven(problem: Problem, alone: bool) -> tuple[np.ndarray, np.ndarray]:
 
 
 def repeating(
-    signals: np.ndarray, dwell: np.ndarray, first: np.ndarray, rows: np.ndarray
-) -> np.ndarray | None:
+    signals: np.ndarray, dwell: np.ndarray, first: np.ndarray, rows: np.ndarray,
+    within: float = SAME_COMMAND,
+) -> np.ndarray | None:  # fmt: skip
     """The row of a cycle (indices) for each row of the first one, -1 where it has none.
 
-    None where the two are not the same motion. signals: (n, k) commands over their ranges.
+    None where the two are not the same motion within a part of their ranges. signals: (n, k)
+    commands over these.
     """
-    places = paired(signals[first], signals[rows])
+    places = paired(signals[first], signals[rows], within)
     found = places >= 0
     if found.sum() < ENOUGH_IN_COMMON * max(len(first), len(rows)):
         return None
@@ -77,7 +86,7 @@ def repeating(
 
 
 @njit(cache=True)
-def paired(first, second):  # type: ignore[no-untyped-def]
+def paired(first, second, within):  # type: ignore[no-untyped-def]
     """For each row of the first signals the next row of the second that equals it, -1 if none is.
 
     At most REACH rows of the second are passed over at a time.
@@ -86,7 +95,7 @@ def paired(first, second):  # type: ignore[no-untyped-def]
     begin = 0
     for i in range(first.shape[0]):
         for k in range(begin, min(begin + REACH, second.shape[0])):
-            if np.max(np.abs(first[i] - second[k])) < SAME_COMMAND:
+            if np.max(np.abs(first[i] - second[k])) < within:
                 out[i], begin = k, k + 1
                 break
     return out
@@ -102,3 +111,12 @@ def _without_memory(
     drive = signals[first, 0]
     turn = min(int(np.argmax(np.abs(drive - drive[0]))), len(first) // 2)
     return np.where(np.arange(len(rows)) < turn, -1, rows)
+
+
+def driven_again(problem: Problem) -> list[np.ndarray]:
+    """The same of a force, whose cycles repeat only where its motion is one that was commanded.
+
+    One that was measured never comes again to the sample. Held-out cycles are among them: of these
+    nothing but their motion is looked at.
+    """
+    return same_motions(replace(problem, train=problem.train | problem.heldout), within=EXACTLY)

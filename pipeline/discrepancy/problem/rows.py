@@ -14,22 +14,23 @@ MOST_KEPT = 500
 
 @dataclass(frozen=True)
 class Averaged:
-    """Rows that are means over blocks of `size` samples of a motion, its last few samples left out.
+    """Rows that are means over blocks of `size` samples of a motion.
 
-    A mechanism works on every sample; its answers are averaged like the measurement: over samples
-    that are known, a mask (n,), where at least half of a block are. What a piece adds does not
-    depend on the others unless one changes the sum: then its means are kept.
+    begins: (rows,) the first sample of each block. A mechanism works on every sample; its answers
+    are averaged like the measurement: over samples that are known, a mask (n,), where at least half
+    of a block are. What a piece adds does not depend on the others unless one changes the sum: then
+    its means are kept.
     """
 
     motion: Motion
     size: int
+    begins: np.ndarray
     known: np.ndarray | None = None
     kept: dict[tuple[str, str, bytes], np.ndarray] = field(default_factory=dict)
 
     def mean(self, values: np.ndarray) -> np.ndarray:
         """Block means of samples (n,); NaN where one is that counts."""
-        whole = len(values) // self.size
-        blocks = np.asarray(values[: whole * self.size]).reshape(whole, self.size)
+        blocks = values[self.samples]
         sums = np.einsum("ij,ij->i", blocks, self.counts)
         if np.isnan(sums).any():
             counted = np.where(self.counts > 0.0, blocks, 0.0)
@@ -37,12 +38,16 @@ class Averaged:
         return np.asarray(sums / self.counted)
 
     @cached_property
+    def samples(self) -> np.ndarray:
+        """Which samples each block has, (rows, size)."""
+        return self.begins[:, None] + np.arange(self.size)
+
+    @cached_property
     def counts(self) -> np.ndarray:
         """1 of each sample that counts in the mean of its block, 0 of others, (rows, size)."""
-        whole = len(self.motion) // self.size
         if self.known is None:
-            return np.ones((whole, self.size))
-        known = self.known[: whole * self.size].reshape(whole, self.size)
+            return np.ones(self.samples.shape)
+        known = self.known[self.samples]
         few = 2 * known.sum(axis=1, keepdims=True) < self.size
         return np.where(known | few, 1.0, 0.0)
 
@@ -76,6 +81,16 @@ class Averaged:
                 assert added is not None
                 self.kept[key] = self.mean(added)
         return self.kept[key]
+
+
+def one_after_another(count: int, size: int) -> np.ndarray:
+    """The first sample of each block of `size`, (rows,); the last few of `count` have no block."""
+    return np.arange(0, count // size * size, size)
+
+
+def averaged_evenly(motion: Motion, size: int) -> Averaged:
+    """Rows that are means over blocks of `size` samples one after another, all of them known."""
+    return Averaged(motion, size, one_after_another(len(motion), size))
 
 
 @dataclass(frozen=True)

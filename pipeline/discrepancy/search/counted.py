@@ -16,6 +16,7 @@ from pipeline.discrepancy.problem.outliers import (
     returning,
 )
 from pipeline.discrepancy.problem.problem import Problem
+from pipeline.discrepancy.problem.repeats import driven_again
 from pipeline.discrepancy.search.weighing import Choice
 from pipeline.physics.lost_steps import LostSteps
 from pipeline.recording import reversals_of
@@ -48,7 +49,7 @@ def mistaken_rows(problem: Problem, choice: Choice, prior: NoisePrior) -> np.nda
     out &= ~returning(distances(off), repeats)
     out |= isolated(off, problem.train, prior.finest, problem.cycle, repeats)
     out &= ~(usual(problem, off, prior) | leaping(problem, choice))
-    out &= ~all_beyond(problem.motion.drive, off, out)
+    out &= ~farthest(problem, off, out)
     late = problem.train & late_rows(problem, fit.predicted, prior, repeats).aside
     return out | between_slips(problem, choice) | late
 
@@ -72,7 +73,8 @@ def late_rows(
 def set_aside(problem: Problem, predicted: np.ndarray, prior: NoisePrior) -> np.ndarray:
     """Rows (n,), held-out ones too, that are mistaken or late as a prediction (n,) says."""
     off = problem.measured - predicted
-    odd = isolated(off, problem.train, prior.finest, problem.cycle)
+    again = () if problem.motion.kinetics is None else driven_again(problem)
+    odd = isolated(off, problem.train, prior.finest, problem.cycle, again)
     return np.asarray(odd | late_rows(problem, predicted, prior, [alike_rows(problem)]).aside)
 
 
@@ -117,8 +119,15 @@ def usual(problem: Problem, off: np.ndarray, prior: NoisePrior) -> np.ndarray:
     return turning(problem) | alike(off, arriving, prior.finest)
 
 
+def farthest(problem: Problem, off: np.ndarray, out: np.ndarray) -> np.ndarray:
+    """Rows (n,) of those in `out` that are all there are beyond a command, or a force's speed."""
+    drive, kinetics = problem.motion.drive, problem.motion.kinetics
+    signals = [drive] if kinetics is None else [drive, kinetics.velocity]
+    return np.logical_or.reduce([all_beyond(signal, off, out) for signal in signals])
+
+
 def all_beyond(drive: np.ndarray, off: np.ndarray, out: np.ndarray) -> np.ndarray:
-    """Rows (n,) of those in `out` that are all there are beyond a command, off to the same side.
+    """Rows (n,) of those in `out` that are all there are beyond a drive (n,), off to the same side.
 
     So a joint meets a stop where it was seldom driven as far; mistakes fall anywhere. At least
     FEWEST_BEYOND of those whose residuals `off` (n,) are known.
@@ -136,8 +145,12 @@ def all_beyond(drive: np.ndarray, off: np.ndarray, out: np.ndarray) -> np.ndarra
 
 
 def repeats_of(problem: Problem, prior: NoisePrior) -> list[np.ndarray]:
-    """Row numbers (repeats, steps) of cycles that repeat each other, and of equal commands."""
-    return [*prior.groups, alike_rows(problem)]
+    """Row numbers (repeats, steps) of cycles that repeat each other, and of equal commands.
+
+    Of a force, repeats tell no noise (`noise_of_force`), but they tell where it leaps each time.
+    """
+    again = prior.groups if problem.motion.kinetics is None else driven_again(problem)
+    return [*again, alike_rows(problem)]
 
 
 def alike_rows(problem: Problem) -> np.ndarray:

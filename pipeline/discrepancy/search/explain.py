@@ -18,7 +18,7 @@ from pipeline.discrepancy.search.alone import alone
 from pipeline.discrepancy.search.choose import choose, choose_again, extended
 from pipeline.discrepancy.search.contested import contested, levelled
 from pipeline.discrepancy.search.counted import (
-    all_beyond,
+    farthest,
     mistaken_rows,
     repeats_of,
     settled_rows,
@@ -112,7 +112,7 @@ def searched(problem: Problem) -> Explanation:
     off = np.where(problem.train, problem.measured - problem.simulated, np.nan)
     repeats = repeats_of(problem, prior)
     outliers = isolated(off, problem.train, prior.finest, problem.cycle, repeats)
-    outliers &= ~(usual(problem, off, prior) | all_beyond(problem.motion.drive, off, outliers))
+    outliers &= ~(usual(problem, off, prior) | farthest(problem, off, outliers))
     used = problem.train & settled & ~outliers
     search = Search(candidates, effects, noise_family(prior, problem, used))
     ground = ground_of(problem, prior.model, used)
