@@ -9,6 +9,7 @@ import numpy as np
 from pipeline.config import ToleranceConfig
 from pipeline.discrepancy.fitting.calibration import (
     FAR_OFF,
+    IN_TOLERANCE,
     Nuisances,
     absurd_gain,
     gain_between,
@@ -116,11 +117,12 @@ def ground_of(problem: Problem, noise: NoiseModel, used: np.ndarray) -> Ground:
     off = abs(float(np.median((problem.measured - problem.simulated)[used])))
     trusted = problem.derivatives is not None and tolerance.offset < ToleranceConfig().offset
     if off > FAR_OFF * tolerance.offset and not trusted:
-        tolerance = replace(tolerance, offset=off)
+        tolerance = replace(tolerance, offset=IN_TOLERANCE * off)
     gain = gain_between(problem.simulated[used], problem.measured[used])
     if problem.derivatives is None and absurd_gain(gain, tolerance):
-        tolerance = replace(tolerance, gain=abs(gain - 1.0))
-    nuisances = nuisances_of(tolerance, around.angle_low, around.angle_span)
+        tolerance = replace(tolerance, gain=IN_TOLERANCE * abs(gain - 1.0))
+    force = problem.derivatives is not None
+    nuisances = nuisances_of(tolerance, around.angle_low, around.angle_span, force)
     if problem.derivatives is None:
         simulated = problem.simulated[np.isfinite(problem.simulated)]
         nuisances = replace(nuisances, zero=zero_of(simulated))
