@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pipeline.discrepancy.fitting.fit import evaluate
+from pipeline.discrepancy.fitting.fit import Fit, evaluate
+from pipeline.discrepancy.search import odd
 from pipeline.discrepancy.search.explain import Explanation
 from pipeline.discrepancy.search.odd import FIRM, may_mop_up, oddly
 from pipeline.discrepancy.search.weighing import Choice
@@ -46,3 +47,24 @@ def test_what_was_tried_last_and_put_aside_is_not_remembered() -> None:
     search = replace(bent.search, seen={})
     oddly(search, bent.choices)
     assert search.seen == {}
+
+
+@pytest.mark.parametrize(("left_over", "fewest_gone"), [(False, 2), (True, 0)])
+def test_where_repeats_leave_nothing_what_is_seldom_only_stands_for_two(
+    found: Explanation, monkeypatch: pytest.MonkeyPatch, left_over: bool, fewest_gone: int
+) -> None:
+    tried: list[int] = []
+
+    def screened(fit: Fit, *_: object, **__: object) -> list[object]:
+        tried.append(len(fit.pieces))
+        return []
+
+    monkeypatch.setattr(odd, "screen", screened)
+    monkeypatch.setattr(odd, "refuted", lambda *_: left_over)
+    monkeypatch.setattr(odd, "misfits", lambda *_: left_over)
+    assert found.search.family.prior.repeats > 0
+    ground = found.choices[0].fit.ground
+    for pieces in ([], [PLAY], [PLAY, TILT], [PLAY, TILT, DRIFT]):
+        tried.clear()
+        oddly(found.search, [Choice(evaluate(ground, pieces), (0, 0, 0), 0.0)])
+        assert max(tried) == max(min(len(pieces) - fewest_gone, 2), 0)

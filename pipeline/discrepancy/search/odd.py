@@ -7,6 +7,7 @@ from pipeline.discrepancy.fitting.fit import ITERATIONS, evaluate, improve
 from pipeline.discrepancy.fitting.screen import screen, started
 from pipeline.discrepancy.search.choose import allowed, by_term
 from pipeline.discrepancy.search.polish import polished
+from pipeline.discrepancy.search.refuted import misfits, refuted
 from pipeline.discrepancy.search.weighing import (
     LEAST_GAIN,
     Choice,
@@ -17,7 +18,7 @@ from pipeline.discrepancy.search.weighing import (
 )
 from pipeline.physics.catalogue import ODD, with_richer
 
-STEPS, NEAR, FIRM, MOST_KEPT = 4, 40.0, 100.0, 2
+STEPS, NEAR, FIRM, MOST_KEPT, AT_ONCE = 4, 40.0, 100.0, 2, 2
 
 
 def oddly(search: Search, choices: list[Choice]) -> list[Choice]:
@@ -25,7 +26,8 @@ def oddly(search: Search, choices: list[Choice]) -> list[Choice]:
 
     A search takes other names for what these explain, two or three for each, and no step leads from
     there. It does not begin with them: each comes near what a usual term does, and would hide that.
-    Nor does it remember those that may only mop up.
+    Nor does it remember those that may only mop up. Where cycles that repeat say that no more than
+    noise is left, one of them is better only in place of AT_ONCE pieces, or of the only one.
     """
     search = replace(search, seen={})
     best, ground = choices[0], choices[0].fit.ground
@@ -34,9 +36,12 @@ def oddly(search: Search, choices: list[Choice]) -> list[Choice]:
     if motion.kinetics is not None or ground.problem.mixed or not shown:
         return choices
     other = among(search, ground.problem, shown)
-    pieces = best.fit.pieces
+    pieces, most = best.fit.pieces, len(best.fit.pieces)
+    if search.family.prior.repeats > 0 and not (refuted(search, best) or misfits(search, best)):
+        most = max(most - AT_ONCE, 0)
     few = (rest for size in range(MOST_KEPT + 1) for rest in combinations(pieces, size))
-    kept = {tuple(map(id, rest)): rest for rest in (*few, *map(best.fit.without, pieces))}
+    sets = (*few, *map(best.fit.without, pieces))
+    kept = {tuple(map(id, rest)): rest for rest in sets if len(rest) <= most}
     found: list[Choice] = []
     for rest in kept.values():
         fit = improve(evaluate(ground, rest), STEPS)
