@@ -9,7 +9,7 @@ import pytest
 from pipeline.config import DiagnosisConfig
 from pipeline.discrepancy.judgement import cancelling as by_name
 from pipeline.discrepancy.judgement.cancelling import LARGER, cancelling
-from pipeline.discrepancy.problem.force_problem import averaged
+from pipeline.discrepancy.problem.force_problem import averaged, block_begins
 from pipeline.discrepancy.problem.repeats import driven_again, rows_of_cycles
 from pipeline.discrepancy.search.counted import farthest
 from pipeline.recording import Channel, Recording, with_context
@@ -63,6 +63,15 @@ def test_blocks_begin_anew_with_each_cycle_of_a_motion_that_comes_again():
     for drive in drives[1:]:
         np.testing.assert_array_equal(drive, drives[0][: len(drive)])
     assert [len(drive) for drive in drives[:-1]] == [SAMPLES // size] * (TIMES - 1)
+
+
+@pytest.mark.parametrize("size", [SAMPLES - 1, SAMPLES + 1, SAMPLES // 2 + 1, SAMPLES // 3 + 1])
+def test_cycles_hardly_longer_than_a_block_lose_no_samples_to_it(size):
+    problem = posed(DiagnosisConfig(), bench(0.0), "force_n")
+    begins = block_begins(problem, size)
+    assert len(begins) * size >= 0.8 * (TIMES * SAMPLES // size) * size
+    assert np.all(np.diff(begins) >= size)
+    assert begins[-1] + size <= TIMES * SAMPLES
 
 
 @pytest.mark.parametrize(("beside_m", "again"), [(0.0, 1), (1e-5, 0)])

@@ -19,7 +19,7 @@ from pipeline.recording import Recording
 
 TOP, HARDLY = 0.99, 1e-6
 ROWS_A_PERIOD = 2.5
-FEWEST_ROWS, MOST_ROWS = 400, 3000
+FEWEST_ROWS, MOST_ROWS, KEPT = 400, 3000, 0.8
 
 
 def pose_force_problem(
@@ -153,9 +153,12 @@ def block_begins(problem: Problem, size: int) -> np.ndarray:
     """The first sample of each block of `size`, (rows,); the last few samples are left out.
 
     Where cycles repeat each other, blocks begin anew with each, and its last few samples are left
-    out: else their means would be over other parts of the same motion, and would not repeat.
+    out: else their means would be over other parts of the same motion, and would not repeat. Not
+    where cycles are so short that less than KEPT of the blocks would be left.
     """
+    evenly = one_after_another(len(problem.motion), size)
     if size == 1 or not driven_again(problem):
-        return one_after_another(len(problem.motion), size)
+        return evenly
     cycles = rows_of_cycles(problem).values()
-    return np.concatenate([rows[: len(rows) // size * size : size] for rows in cycles])
+    anew = np.concatenate([rows[: len(rows) // size * size : size] for rows in cycles])
+    return anew if len(anew) >= KEPT * len(evenly) else evenly
