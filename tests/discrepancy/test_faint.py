@@ -19,9 +19,9 @@ RIPPLE = term("transmission_ripple")
 Named = dict[str, float]
 
 
-def beside(own: Term, values: Named, others: Mapping[str, Named]) -> Explanation:
+def beside(own: Term, values: Named, others: Mapping[str, Named], cycles: int = 6) -> Explanation:
     """An explanation whose best choice has a term beside the others, as if it were worth it."""
-    recording = recorded({**others, f"{own.name}/{own.form}": values}, seed=1)
+    recording = recorded({**others, f"{own.name}/{own.form}": values}, cycles=cycles, seed=1)
     found = explained(recording)
     best = next(c for c in found.choices if set(c.fit.names) >= set(others))
     kept = [p for p in best.fit.pieces if p.term.name in others]
@@ -50,6 +50,13 @@ def test_a_faint_name_that_is_one_of_two_stands_by_what_it_earns(amplitude: floa
     assert (firm is found) == stays
     assert "backlash" in firm.choices[0].fit.names
     assert (RIPPLE.name in firm.choices[0].fit.names) == stays
+
+
+@pytest.mark.parametrize(("amplitude", "stays"), [(0.06, False), (0.1, True)])
+def test_many_samples_that_make_a_faint_name_sure_make_it_no_physics(amplitude: float, stays: bool):
+    values = {"amplitude": amplitude, "period": 30.0, "phase": 1.0}
+    found = beside(RIPPLE, values, {"backlash": {"width": 3.0}}, cycles=24)
+    assert (without_faint(found) is found) == stays
 
 
 @pytest.mark.parametrize(("lag", "stays"), [(0.01, False), (0.05, True)])

@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 
 from pipeline.discrepancy.fitting.fit import evaluate, improve
-from pipeline.discrepancy.judgement.form import LATE
 from pipeline.discrepancy.judgement.structure import structure_of
 from pipeline.discrepancy.judgement.verdict import mean_square
 from pipeline.discrepancy.search.explain import Explanation
@@ -23,8 +22,9 @@ def without_faint(explanation: Explanation) -> Explanation:
     many samples make it sure, and a third name follows it. So a name beside two or more others
     that explains less than a quarter of the noise (RMS) goes, unless what is left without it is
     found to be structured. On 160 pairs of effects of other forms, 5 of 10 false names were as
-    faint, and 2 of 280 true ones. So does what comes late beside one other name: any real thing
-    comes a little earlier or later than its term. So does a name beside others that earns nothing
+    faint, and 2 of 280 true ones. So does one beside a single other name, unless it is slow: any
+    real thing comes a little earlier or later than its term, and a camera errs alike in the same
+    pose. So does a name beside others that earns nothing
     once these are fitted anew without it, or less than a search asks of a further one and explains
     less than half of the noise: what is as large as that and stands apart from the others earns far
     more. Nor may other names take the lead for less, of which there are more than of those that
@@ -67,7 +67,7 @@ def firm(explanation: Explanation, choice: Choice) -> Choice:
         size = float(np.sqrt(max(grew, 0.0))) / ground.noise.deviation
         fewer = search.weighed(trial.fit, choice.place)
         asked = LEAST_GAIN if size < SMALL else 0.0
-        faint = size < FAINTEST and (len(told) > BESIDE or name in LATE)
+        faint = size < FAINTEST and (len(told) > BESIDE or name not in choice.fit.slow)
         if faint or fewer.score - own < asked:
             found.append((size, fewer))
     return min(found, key=lambda f: f[0], default=(0.0, choice))[1]
