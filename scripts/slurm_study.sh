@@ -6,7 +6,7 @@
 # folder, and ends them. Needs root and Debian's slurm-wlm and munge; without them it says so and ends.
 set -euo pipefail
 cd "$(dirname "$0")/.."
-LOOPGAP=${LOOPGAP:-.venv/bin/loopgap}
+loopgap=.venv/bin/loopgap
 
 for program in munged slurmctld slurmd sbatch; do
   command -v "$program" >/dev/null || PATH=$PATH:/usr/sbin
@@ -89,10 +89,10 @@ sinfo
 study=(-m experiment=splits "split.index=range(0,4)" acquisition.cycles=5 acquisition.steps_per_cycle=40
   camera.width_px=504 camera.height_px=378 vision.workers=1 selection.k_max=3)
 echo "--- without Slurm"
-LOOPGAP_CACHE=$work/cache_local "$LOOPGAP" "${study[@]}" hydra.sweep.dir="$work/local" >"$work/local.log" 2>&1
+LOOPGAP_CACHE=$work/cache_local "$loopgap" "${study[@]}" hydra.sweep.dir="$work/local" >"$work/local.log" 2>&1
 
 on_slurm() {
-  LOOPGAP_CACHE=$work/cache_slurm "$LOOPGAP" "${study[@]}" hydra/launcher=slurm \
+  LOOPGAP_CACHE=$work/cache_slurm "$loopgap" "${study[@]}" hydra/launcher=slurm \
     hydra.launcher.submitit_folder="$work/submitit/%j" hydra.sweep.dir="$work/slurm"
 }
 echo "--- on Slurm, with one job killed"

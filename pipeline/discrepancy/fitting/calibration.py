@@ -11,7 +11,9 @@ from pipeline.physics.kinematics import Beside, SmoothError, smooth_columns
 from pipeline.physics.mechanism import Trace
 
 SHAPES = 3
-IN_TOLERANCE, FORCE_IN_TOLERANCE = 2.0, 1.0  # deviations that a tolerance of gain or offset is
+# Deviations that a tolerance of gain or offset is: it holds 19 times in 20. Of a force the gain is
+# that of a whole law, of which a damping is known less well than a geometry: twice in three times.
+IN_TOLERANCE, FORCE_IN_TOLERANCE = 2.0, 1.0
 FAR_OFF = 5.0  # tolerances beyond which a calibration refutes what was declared
 ABSURD = 2.0  # a gain off by more than this factor speaks of units or wiring
 FOLLOWS = 0.7  # share of the variance from which on a line is a gain
@@ -82,19 +84,17 @@ class Nuisances:
 
 
 def nuisances_of(
-    tolerance: ToleranceConfig, angle_low: float, angle_span: float, force: bool = False
+    tolerance: ToleranceConfig, deviations: float, angle_low: float, angle_span: float
 ) -> Nuisances:
     """The nuisances that a configuration declares; no smooth error where `shape` is 0.
 
-    What is declared holds 19 times in 20. Of a force the gain is that of a whole law, of which a
-    damping is known less well than a geometry: there it holds twice in three times.
+    deviations: that a tolerance of gain or offset is, IN_TOLERANCE or FORCE_IN_TOLERANCE.
     """
     half = max(0.5 * angle_span, 1e-9)
-    parts = FORCE_IN_TOLERANCE if force else IN_TOLERANCE
-    deviations = [max(t / parts, 1e-9) for t in (tolerance.gain, tolerance.offset)]
+    usual = [max(t / deviations, 1e-9) for t in (tolerance.gain, tolerance.offset)]
     if tolerance.shape > 0.0:
-        deviations += SHAPES * [tolerance.shape]
-    return Nuisances(angle_low + half, half, np.array(deviations))
+        usual += SHAPES * [tolerance.shape]
+    return Nuisances(angle_low + half, half, np.array(usual))
 
 
 def absurd_gain(gain: float, tolerance: ToleranceConfig) -> bool:

@@ -9,6 +9,7 @@ import numpy as np
 from pipeline.config import ToleranceConfig
 from pipeline.discrepancy.fitting.calibration import (
     FAR_OFF,
+    FORCE_IN_TOLERANCE,
     IN_TOLERANCE,
     Nuisances,
     absurd_gain,
@@ -114,15 +115,15 @@ def ground_of(problem: Problem, noise: NoiseModel, used: np.ndarray) -> Ground:
     that refutes no zero that is declared to be trusted more than usual.
     """
     around, tolerance = problem.around, problem.tolerance
+    deviations = IN_TOLERANCE if problem.derivatives is None else FORCE_IN_TOLERANCE
     off = abs(float(np.median((problem.measured - problem.simulated)[used])))
     trusted = problem.derivatives is not None and tolerance.offset < ToleranceConfig().offset
     if off > FAR_OFF * tolerance.offset and not trusted:
-        tolerance = replace(tolerance, offset=IN_TOLERANCE * off)
+        tolerance = replace(tolerance, offset=deviations * off)
     gain = gain_between(problem.simulated[used], problem.measured[used])
     if problem.derivatives is None and absurd_gain(gain, tolerance):
-        tolerance = replace(tolerance, gain=IN_TOLERANCE * abs(gain - 1.0))
-    force = problem.derivatives is not None
-    nuisances = nuisances_of(tolerance, around.angle_low, around.angle_span, force)
+        tolerance = replace(tolerance, gain=deviations * abs(gain - 1.0))
+    nuisances = nuisances_of(tolerance, deviations, around.angle_low, around.angle_span)
     if problem.derivatives is None:
         simulated = problem.simulated[np.isfinite(problem.simulated)]
         nuisances = replace(nuisances, zero=zero_of(simulated))

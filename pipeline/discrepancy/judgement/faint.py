@@ -24,11 +24,10 @@ def without_faint(explanation: Explanation) -> Explanation:
     found to be structured. On 160 pairs of effects of other forms, 5 of 10 false names were as
     faint, and 2 of 280 true ones. So does one beside a single other name, unless it is slow: any
     real thing comes a little earlier or later than its term, and a camera errs alike in the same
-    pose. So does a name beside others that earns nothing
-    once these are fitted anew without it, or less than a search asks of a further one and explains
-    less than half of the noise: what is as large as that and stands apart from the others earns far
-    more. Nor may other names take the lead for less, of which there are more than of those that
-    stay.
+    pose. So does a name beside others that earns nothing once these are fitted anew without it, or
+    less than a search asks of a further one and explains less than half of the noise: what is as
+    large as that and stands apart from the others earns far more. Nor may other names take the lead
+    for less, of which there are more than of those that stay.
     """
     if explanation.problem.motion.kinetics is not None:
         return explanation

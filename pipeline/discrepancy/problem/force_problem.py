@@ -108,10 +108,9 @@ def averaged(problem: Problem) -> tuple[Problem, int]:
 
     Blocks are as long as leaves 2.5 rows to a period of the cut-off, shorter where that would leave
     fewer than FEWEST_ROWS, and longer where there would be more than MOST_ROWS; see `block_begins`.
-    The mean of a
-    block is the low-pass before that decimation, the same for the measured force and for what each
-    term adds (the parallel filter of Gautier, Janot and Vandanjon, IEEE Trans. Control Syst.
-    Technol. 21 (2013) 428). A block counts as fitted where all its known samples do.
+    The mean of a block is the low-pass before that decimation, the same for the measured force and
+    for what each term adds (the parallel filter of Gautier, Janot and Vandanjon, IEEE Trans.
+    Control Syst. Technol. 21 (2013) 428). A block counts as fitted where all its known samples do.
     """
     derivatives = problem.derivatives
     assert derivatives is not None
