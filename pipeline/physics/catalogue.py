@@ -24,9 +24,9 @@ from pipeline.physics.force_lost_way import FREE, ForceLostWay
 from pipeline.physics.force_play import ForcePlay
 from pipeline.physics.force_slack import ASIDE, ForceSlack
 from pipeline.physics.force_waves import ForceGravity, ForceRipple
-from pipeline.physics.frame_lag import OLD, FrameLag
+from pipeline.physics.frame_lag import OF_TIME, OLD, FrameLag
 from pipeline.physics.friction import Friction
-from pipeline.physics.gravity import Gravity
+from pipeline.physics.gravity import SAGGING, Gravity
 from pipeline.physics.held import STEP_AND_WAIT_S
 from pipeline.physics.inertia import Inertia
 from pipeline.physics.late_damper import LateDamper
@@ -35,6 +35,7 @@ from pipeline.physics.long_ripple import LongOffCentreRipple, LongRipple
 from pipeline.physics.lost_steps import BEHIND, LostSteps
 from pipeline.physics.marker_outliers import MarkerOutliers
 from pipeline.physics.motion import Motion
+from pipeline.physics.moved_frames import BLURRED, MOVED, MovedFrames
 from pipeline.physics.moved_lag import moved_as
 from pipeline.physics.off_centre_ripple import OffCentreRipple
 from pipeline.physics.queued_frames import QueuedFrames
@@ -60,7 +61,7 @@ from pipeline.physics.tension_loss import TensionLoss
 from pipeline.physics.term import Surroundings, Term, TermError, Told
 from pipeline.physics.top_speed import TopSpeed
 from pipeline.physics.transmission_ripple import TransmissionRipple
-from pipeline.physics.turned_gravity import TURNED, TurnedGravity
+from pipeline.physics.turned_gravity import SAGS, TURNED, TurnedGravity
 from pipeline.physics.two_ripples import TwoRipples
 from pipeline.physics.viscous_friction import ViscousFriction
 from pipeline.physics.waving_drift import WavingDrift
@@ -135,7 +136,8 @@ def terms(other_commands: Iterable[str] = ()) -> tuple[Term, ...]:
         TensionLoss(),
         TensionLoss("cycle"),
         Gravity(),
-        *(TurnedGravity(f"{name}{TURNED}") for name in other_commands),
+        Gravity(SAGGING),
+        *(TurnedGravity(f"{name}{TURNED}{how}") for name in other_commands for how in ("", SAGS)),
         Contact("upper"),
         Contact("lower"),
         EndStop("upper"),
@@ -150,6 +152,7 @@ def terms(other_commands: Iterable[str] = ()) -> tuple[Term, ...]:
         FrameLag("time"),
         FrameLag("frames"),
         FrameLag("held"),
+        MovedFrames(),
         MarkerOutliers(),
         SteadyDrift("linear"),
         SteadyDrift("cycle"),
@@ -233,6 +236,8 @@ def richer(term: Term) -> tuple[Term, ...]:
         return (*term.richer(), *RIPPLES.get(term.form, ()))
     if term.name == DRIVEN.name and term.form in ("symmetric", DRIVEN.form):
         return (DrivenBank(), *term.richer())
+    if term.name == FrameLag.name and term.form in ("held", MOVED):
+        return (*term.richer(), MovedFrames(BLURRED))
     if term.group != BEND:
         return term.richer()
     return (*term.richer(), RISING if term.form == BENDING.form else BENDING)
@@ -250,7 +255,7 @@ def instead(term: Term, values: np.ndarray, motion: Motion, around: Surroundings
     if term.name == Backlash.name and "width" in named:
         width = named["width"] * (around.angle_span / around.drive_span if term.before_curve else 1)
         told += [[(Friction(), np.array([width, part * width, 0.7]))] for part in RUBS]
-    lag_s = named.get("lag" if term.form in ("time", "held") else "time_constant", 0.0)
+    lag_s = named.get("lag" if term.form in OF_TIME else "time_constant", 0.0)
     if term.group == "lag" and lag_s > 0.0:
         told += swinging_as(lag_s) if around.dwell_s < STEP_AND_WAIT_S else []
         told += moved_as(lag_s, motion, around)

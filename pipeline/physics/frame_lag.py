@@ -7,7 +7,7 @@ from pipeline.physics.held import STEP_AND_WAIT_S, uneven
 from pipeline.physics.motion import Motion
 from pipeline.physics.term import Parameter, Surroundings, Term
 
-OLD = "force"
+OLD, OF_TIME = "force", ("time", "held", "moved", "blurred")
 MOST_ROWS, MOST_S = 10.0, 0.5
 QUICKEST, LONGEST = 0.02, 2.0
 MOVES = ((0.1, 1.5), (0.4, 3.0), (1.0, 5.0))
@@ -54,9 +54,7 @@ class FrameLag(Term):
         at = np.arange(len(time), dtype=float) if self.form == "frames" else time
         asked = at[len(kept) :] - values[0]
         if self.form == "held":
-            reached = at[:-1] + np.minimum(values[1], np.diff(at))
-            knots = np.concatenate([at[:1], np.column_stack([reached, at[1:]]).ravel()])
-            seen = np.interp(asked, knots, np.concatenate([poses[:1], np.repeat(poses[1:], 2)]))
+            seen = held_at(asked, at, poses, values[1])
         else:
             seen = np.interp(asked, at, poses)
         first = max(int(np.searchsorted(at, at[-1] - values[0])) - 1, 0)
@@ -82,6 +80,40 @@ class FrameLag(Term):
     def excited(self, motion: Motion, around: Surroundings) -> bool:
         moves = around.drive_span > 0.0 and around.dwell_s > 0.0
         return moves and (self.form in ("time", OLD) or uneven(motion.time_s))
+
+
+def held_at(
+    asked_s: np.ndarray,
+    time_s: np.ndarray,
+    poses: np.ndarray,
+    moves_s: np.ndarray | float,
+    over_s: float = 0.0,
+) -> np.ndarray:
+    """Poses at some times, or their means over some time before each.
+
+    Each pose is reached within its move of the time before, straight, and then held.
+    """
+    reached = time_s[:-1] + np.minimum(moves_s, np.diff(time_s))
+    times = np.concatenate([time_s[:1], np.column_stack([reached, time_s[1:]]).ravel()])
+    values = np.concatenate([poses[:1], np.repeat(poses[1:], 2)])
+    if over_s == 0.0:
+        return np.interp(asked_s, times, values)
+    return (passed(asked_s, times, values) - passed(asked_s - over_s, times, values)) / over_s
+
+
+def passed(asked: np.ndarray, times: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """The integral, from the first time to some, of what runs straight between values at times."""
+    if len(times) == 1:
+        return np.asarray(values[0] * (asked - times[0]))
+    taken = np.diff(times)
+    whole = np.concatenate([[0.0], np.cumsum(0.5 * (values[1:] + values[:-1]) * taken)])
+    k = np.clip(np.searchsorted(times, asked) - 1, 0, len(times) - 2)
+    since, slope = asked - times[k], np.diff(values)[k] / np.maximum(taken[k], 1e-12)
+    inside = np.clip(since, 0.0, taken[k])
+    return np.asarray(
+        whole[k] + inside * (values[k] + 0.5 * slope * inside)
+        + np.minimum(since, 0.0) * values[0] + np.maximum(since - taken[k], 0.0) * values[-1]
+    )  # fmt: skip
 
 
 def longest_s(around: Surroundings) -> float:

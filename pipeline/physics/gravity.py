@@ -11,15 +11,17 @@ from pipeline.physics.motion import Motion
 from pipeline.physics.term import Parameter, Surroundings, Term
 
 LEAST_PRETENSION = 0.03
+SAGGING = "sagging"
 
 
 class Gravity(Term):
     """deflection * (sin(theta - zero) + sin(zero)) in the balance.
 
     The moment of a weight that hangs down at theta = zero, over the wire's stiffness; the
-    deflection at home is part of the offset. A weight in form "unloading" pulls so hard that beyond
-    `pretension` one of two wires hangs slack; with much less of that, any load would do so. Source:
-    static moment of a pendulum.
+    deflection at home is part of the offset, as of a robot that was set to zero where it hung; in
+    form "sagging" it is not, as of one whose simulation knows its frame's zero. A weight in form
+    "unloading" pulls so hard that beyond `pretension` one of two wires hangs slack; with much less
+    of that, any load would do so. Source: static moment of a pendulum.
     """
 
     name = "gravity"
@@ -30,6 +32,10 @@ class Gravity(Term):
     means = "deflection that depends on the absolute pose"
     says = "Its own weight bends it by up to {deflection}, depending on how it hangs."
 
+    @property
+    def kin(self) -> str:
+        return "" if self.form == SAGGING else self.form
+
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
         span, unit = around.angle_span, around.angle_unit
         own = (
@@ -39,9 +45,11 @@ class Gravity(Term):
         return (*own, pretension(around, LEAST_PRETENSION)) if self.form == "unloading" else own
 
     def load(self, values: np.ndarray, motion: Motion, state: np.ndarray | None) -> Load:
+        weight, zero = float(values[0]), float(values[1])
         return Load(
-            smooth=(0.0, 0.0, float(values[0]), float(values[1])),
+            smooth=(0.0, 0.0, weight, zero),
             pretension=values[2] if len(values) > 2 else np.inf,
+            torque=np.full(len(motion), weight * np.sin(zero)) if self.form == SAGGING else None,
         )
 
     def scaled(self, values: np.ndarray, factor: float) -> np.ndarray:
@@ -61,7 +69,7 @@ class Gravity(Term):
 
     def retold(self, starts: np.ndarray) -> np.ndarray:
         """Where a wire hangs slack, less weight that is more upright at home does about as much."""
-        if not self.form:
+        if self.form != "unloading":
             return starts
         weight, zero, _ = starts[0]
         zeros = zero + np.sign(np.sin(zero)) * np.array([0.0, 0.2, 0.4])

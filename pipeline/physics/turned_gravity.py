@@ -6,12 +6,12 @@ import numpy as np
 from numba import njit
 
 from pipeline.number_words import worded
-from pipeline.physics.gravity import Gravity
+from pipeline.physics.gravity import SAGGING, Gravity
 from pipeline.physics.motion import Motion
 from pipeline.physics.tabled import waved
 from pipeline.physics.term import NO_STATE, Parameter, Surroundings
 
-TURNED = "/turned"
+TURNED, SAGS = "/turned", f" {SAGGING}"
 FARTHEST = 0.5 * np.pi
 USUAL = 0.7
 SWEEPS, PRECISE = 12, 1e-9
@@ -41,7 +41,8 @@ class TurnedGravity(Gravity):
 
     v is the other axis's command from its zero, whose channel is the first part of `form`, and
     `turn` v the angle by which it turns the weight out of this axis's plane: of the lever its
-    cosine is left there. After the balance. Source: static moment of a pendulum, projected.
+    cosine is left there. After the balance. A form that ends in SAGS has no sin(zero), see
+    `Gravity`. Source: static moment of a pendulum, projected.
     """
 
     in_balance = False
@@ -54,7 +55,7 @@ class TurnedGravity(Gravity):
 
     def __init__(self, form: str = TURNED) -> None:
         self.form = form
-        self.channel = self.goes_by = form.removesuffix(TURNED)
+        self.channel = self.goes_by = form.removesuffix(SAGS).removesuffix(TURNED)
 
     @property
     def kin(self) -> str:
@@ -74,7 +75,8 @@ class TurnedGravity(Gravity):
         left = weight * np.cos(
             turn * (motion.others[self.channel] - motion.zeros.get(self.channel, 0.0))
         )
-        out = hung(signal - weight * np.sin(zero), left, float(zero), motion.radian)
+        home = 0.0 if self.form.endswith(SAGS) else weight * np.sin(zero)
+        out = hung(signal - home, left, float(zero), motion.radian)
         return out, NO_STATE
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:

@@ -21,6 +21,8 @@ from pipeline.discrepancy.search.explain import (
 )
 from pipeline.discrepancy.search.growth import simpler
 from pipeline.discrepancy.search.moves import merged
+from pipeline.discrepancy.search.refuted import not_noise, worth_a_polish
+from pipeline.discrepancy.search.weighing import Choice
 from pipeline.physics.catalogue import term
 from pipeline.physics.mechanism import Piece
 from pipeline.recording import branch_of
@@ -45,6 +47,34 @@ def test_a_rest_that_repeats_is_no_noise_and_a_search_without_shortcuts_explains
     begun = choose(replace(search, wide=True, vain={}), alone[0].fit.ground)
     monkeypatch.setattr("pipeline.discrepancy.search.explain.polished", pytest.fail)
     assert {c.fit.key for c in begun} <= {c.fit.key for c in searched_wide(search, begun, alone)}
+
+
+def test_only_what_takes_most_of_what_repeats_speak_against_is_polished():
+    hidden = {"backlash": {"width": 3.0}, "gravity": {"deflection": 5.0, "zero": 0.6}}
+    found = explained(recorded(hidden, seed=3))
+    search, best = found.search, found.choices[0]
+    ground = next(c for c in found.choices if not c.fit.pieces).fit.ground
+
+    def fitted(name: str, form: str, values: list[float]) -> Choice:
+        piece = Piece(term(name, form), np.array(values))
+        return search.weighed(improve(evaluate(ground, [piece])), (0, 0, 0))
+
+    empty = search.weighed(evaluate(ground, ()), (0, 0, 0))
+    ripple = fitted("transmission_ripple", "first", [0.1, 7.0, 0.0])
+    assert not_noise(search, empty)
+    assert not worth_a_polish(search, ripple, empty)
+    assert worth_a_polish(search, best, empty)
+    assert worth_a_polish(search, ripple, best)
+
+
+def test_a_weight_that_hangs_level_and_bends_its_joint_at_home_is_gravity():
+    sags = {"gravity/sagging": {"deflection": 8.0, "zero": -1.35}}
+    found = explained(recorded(sags, seed=5, noise=0.3, offset=-0.7))
+    best = found.choices[0]
+    assert best.fit.names == ("gravity",)
+    assert best.fit.nuisance[1] == pytest.approx(-0.7, abs=1.0)
+    other = min((c for c in found.choices if "gravity" not in c.fit.names), key=lambda c: c.score)
+    assert best.score < other.score - 15.0
 
 
 def test_a_pile_of_names_is_searched_again_without_shortcuts():

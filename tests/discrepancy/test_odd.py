@@ -60,8 +60,7 @@ def test_where_repeats_leave_nothing_what_is_seldom_only_stands_for_two(
         return []
 
     monkeypatch.setattr(odd, "screen", screened)
-    monkeypatch.setattr(odd, "refuted", lambda *_: left_over)
-    monkeypatch.setattr(odd, "misfits", lambda *_: left_over)
+    monkeypatch.setattr(odd, "not_noise", lambda *_: left_over)
     assert found.search.family.prior.repeats > 0
     ground = found.choices[0].fit.ground
     for pieces in ([], [PLAY], [PLAY, TILT], [PLAY, TILT, DRIFT]):

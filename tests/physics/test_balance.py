@@ -137,6 +137,14 @@ def test_gravity_solves_its_own_equation():
     np.testing.assert_allclose(out + load, motion.drive, atol=1e-5)
 
 
+def test_a_weight_that_sags_bends_its_joint_at_home_as_well():
+    motion = line(-50.0, 50.0, 101)
+    out = answer(motion, Piece(Gravity("sagging"), np.array([8.0, -1.3])))
+    load = 8.0 * np.sin(np.radians(out) + 1.3)
+    np.testing.assert_allclose(out + load, motion.drive, atol=1e-5)
+    assert abs(out[50]) > 7.0
+
+
 def test_a_weight_that_unloads_a_wire_doubles_what_gives_way():
     motion = line(-50.0, 50.0, 101)
     out = answer(motion, Piece(Gravity("unloading"), np.array([14.0, 2.1, 5.0])))

@@ -87,6 +87,15 @@ def test_a_weight_that_the_other_axis_turns_away_hangs_in_balance():
     np.testing.assert_allclose(found + bent, 0.7 * drive, atol=1e-6)
 
 
+def test_what_the_other_axis_turns_away_of_a_weight_that_sags_is_its_whole_moment():
+    yaw, drive = np.linspace(-40.0, 40.0, 81), np.linspace(60.0, -60.0, 81)
+    piece = Piece(TurnedGravity(f"{YAW}/turned sagging"), np.array([12.0, 0.6, np.pi / 180.0]))
+    found = Mechanism(CubicCurve(0.7, 0.0), (piece,)).respond(moved(yaw, drive))[0]
+    bent = 12.0 * np.sin(np.radians(found) - 0.6) * np.cos(np.radians(yaw))
+    np.testing.assert_allclose(found + bent, 0.7 * drive, atol=1e-6)
+    assert piece.term.channel == YAW
+
+
 @pytest.mark.parametrize("way", ["play", "late"])
 def test_a_wire_that_drags_turns_what_a_joint_stands_on_whatever_its_curve(way: str):
     yaw, drive = 30.0 * np.sin(np.arange(200) / 9.0), np.linspace(-60.0, 60.0, 200)

@@ -7,7 +7,7 @@ from pipeline.discrepancy.fitting.fit import ITERATIONS, evaluate, improve
 from pipeline.discrepancy.fitting.screen import screen, started
 from pipeline.discrepancy.search.choose import allowed, by_term
 from pipeline.discrepancy.search.polish import polished
-from pipeline.discrepancy.search.refuted import misfits, refuted
+from pipeline.discrepancy.search.refuted import not_noise, worth_a_polish
 from pipeline.discrepancy.search.weighing import (
     LEAST_GAIN,
     Choice,
@@ -37,7 +37,7 @@ def oddly(search: Search, choices: list[Choice]) -> list[Choice]:
         return choices
     other = among(search, ground.problem, shown)
     pieces, most = best.fit.pieces, len(best.fit.pieces)
-    if search.family.prior.repeats > 0 and not (refuted(search, best) or misfits(search, best)):
+    if search.family.prior.repeats > 0 and not not_noise(search, best):
         most = max(most - AT_ONCE, 0)
     few = (rest for size in range(MOST_KEPT + 1) for rest in combinations(pieces, size))
     sets = (*few, *map(best.fit.without, pieces))
@@ -50,7 +50,7 @@ def oddly(search: Search, choices: list[Choice]) -> list[Choice]:
             if search.hoped(trial, best.place) < best.score + NEAR:
                 found.append(search.weighed(improve(trial, 2 * ITERATIONS), best.place))
     more = best_of_each([*choices, *found])
-    if more[0].score < best.score - LEAST_GAIN:
+    if more[0].score < best.score - LEAST_GAIN and worth_a_polish(search, more[0], best):
         more = polished(search, more)
     return [c for c in more if not may_mop_up(c, best)]
 

@@ -9,6 +9,7 @@ from pipeline.discrepancy.search.weighing import Choice, Search
 SURELY = 3.0
 FEWEST_AGAIN = 2
 COMMON = 1e-5
+HALF = 0.5
 
 
 def refuted(search: Search, choice: Choice) -> bool:
@@ -23,6 +24,35 @@ def misfits(search: Search, choice: Choice) -> bool:
     """Whether a choice leaves what cycles that repeat surely have in common."""
     gain, freedom, _ = in_common(choice, search.family.prior)
     return bool(chdtrc(max(freedom, 1), gain) < COMMON)
+
+
+def not_noise(search: Search, choice: Choice) -> bool:
+    """Whether repeats say that what a choice leaves is no noise."""
+    return refuted(search, choice) or misfits(search, choice)
+
+
+def worth_a_polish(search: Search, choice: Choice, before: Choice) -> bool:
+    """Whether a choice may come to explain what the one before left, and not only mop it up.
+
+    What explains physics that was left out takes most of what repeats speak against at once; what
+    leaves more than HALF of it mops up, however much it is polished. Where repeats say nothing
+    against the one before, it may.
+    """
+    if not not_noise(search, before):
+        return True
+    return spoken_against(search, choice) < HALF * spoken_against(search, before)
+
+
+def spoken_against(search: Search, choice: Choice) -> float:
+    """What repeats say against a choice, about as chi-square.
+
+    By the shape and the size of its noise, and by what its innovations have in common.
+    """
+    family = search.family
+    prior, deviation = family.prior, choice.fit.ground.noise.deviation
+    larger = max(np.log(deviation / prior.model.deviation) / prior.sure, 0.0) ** 2
+    gain, freedom, _ = in_common(choice, prior)
+    return family.strained(choice.place) + float(larger) + max(gain - freedom, 0.0)
 
 
 def in_common(choice: Choice, prior: NoisePrior) -> tuple[float, int, int]:

@@ -8,7 +8,7 @@ from pipeline.discrepancy.fitting.ground import Ground
 from pipeline.discrepancy.fitting.screen import screen, started
 from pipeline.discrepancy.search.choose import by_term, extended
 from pipeline.discrepancy.search.polish import polished
-from pipeline.discrepancy.search.refuted import misfits, refuted
+from pipeline.discrepancy.search.refuted import not_noise, worth_a_polish
 from pipeline.discrepancy.search.weighing import MOST_TERMS, Choice, Search, best_of_each
 from pipeline.physics.frame_lag import FrameLag
 from pipeline.physics.mechanism import Piece
@@ -45,9 +45,10 @@ def swinging(search: Search, choices: list[Choice]) -> list[Choice]:
     for beside in (rest, best.fit.pieces)[: 1 + bool(behind)]:
         swung = search.weighed(begun(best.fit.ground, beside), best.place)
         found = [swung, *extended(search, swung)] if len(beside) < MOST_TERMS else [swung]
-        if min(c.score for c in found) < choices[0].score:
-            choices = polished(search, best_of_each([*found, *choices]))
-        if not (refuted(search, choices[0]) or misfits(search, choices[0])):
+        choices, before = best_of_each([*found, *choices]), choices[0]
+        if choices[0] is not before and worth_a_polish(search, choices[0], before):
+            choices = polished(search, choices)
+        if not not_noise(search, choices[0]):
             break
     return choices
 
@@ -78,7 +79,7 @@ def unsure(search: Search, choice: Choice) -> bool:
     is too large, but not that cycles have something of it in common.
     """
     walks = bool(choice.fit.pieces) and choice.place[2] > 0
-    return walks or refuted(search, choice) or misfits(search, choice)
+    return walks or not_noise(search, choice)
 
 
 def begun(ground: Ground, beside: Sequence[Piece]) -> Fit:

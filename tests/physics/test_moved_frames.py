@@ -1,0 +1,83 @@
+"""Old frames of a robot whose moves go at a steady speed."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from pipeline.physics.catalogue import richer, term
+from pipeline.physics.frame_lag import FrameLag
+from pipeline.physics.motion import Motion
+from pipeline.physics.moved_frames import MovedFrames
+from pipeline.physics.term import Surroundings
+from tests.discrepancy.made import diagnosed, followed, names, strokes
+
+RNG = np.random.default_rng(7)
+LAG_S, SPEED = 0.6, 5.0
+
+
+def moves(count: int) -> Motion:
+    """Steps of many sizes, each followed by a wait of its own."""
+    drive = strokes(RNG.uniform(15.0, 45.0, count) * (-1.0) ** np.arange(count), 20)
+    moving_s = np.abs(np.diff(drive, prepend=drive[0])) / SPEED
+    time_s = np.cumsum(moving_s + RNG.choice([0.2, 1.0, 3.0], len(drive)))
+    return Motion(drive, time_s, np.zeros(len(drive), dtype=int))
+
+
+def pose_of(motion: Motion, least_s: float) -> Callable[[np.ndarray], np.ndarray]:
+    """Where a robot is at any times that goes to each command after the sample before."""
+    u, t = motion.drive, motion.time_s
+
+    def pose(at_s: np.ndarray) -> np.ndarray:
+        k = np.clip(np.searchsorted(t, at_s), 1, len(t) - 1)
+        moving_s = np.minimum(np.abs(u[k] - u[k - 1]) / SPEED + least_s, t[k] - t[k - 1])
+        done = np.clip((at_s - t[k - 1]) / np.maximum(moving_s, 1e-9), 0.0, 1.0)
+        return np.asarray(u[k - 1] + (u[k] - u[k - 1]) * done)
+
+    return pose
+
+
+@pytest.mark.parametrize(("form", "more"), [("moved", (0.0, 0.0)), ("blurred", (0.15, 0.4))])
+def test_it_shows_where_a_robot_was_whole_or_in_blocks(form: str, more: tuple[float, float]):
+    motion, late = moves(6), MovedFrames(form)
+    values = np.array([LAG_S, SPEED, *more][: 2 if form == "moved" else 4])
+    before_s = np.linspace(0.0, more[1], 4001)[:, None]
+    expected = np.mean(pose_of(motion, more[0])(motion.time_s - LAG_S - before_s), axis=0)
+    whole = late.respond(motion.drive, motion, values, None)[0]
+    np.testing.assert_allclose(whole, expected, atol=1e-3)
+    first, last = (motion.rows(rows) for rows in np.split(np.arange(len(motion)), [50]))
+    out, state = late.respond(first.drive, first, values, None)
+    rest = late.respond(last.drive, last, values, state)[0]
+    np.testing.assert_allclose(np.concatenate([out, rest]), whole, atol=1e-9)
+
+
+def test_an_old_frame_of_a_robot_that_moves_at_its_speed_is_told():
+    motion = moves(50)
+    seen = pose_of(motion, 0.0)(motion.time_s - LAG_S)
+    noise = 0.15 * RNG.standard_normal(len(motion))
+    recording = followed(motion.time_s, motion.drive, seen + noise, 0.002)
+    recording.samples["pitch_angle_sim_deg"] = motion.drive
+    result = diagnosed(recording)
+    assert names(result) == {"frame_lag"}
+    assert result.diagnoses[0].after.heldout_rmse < 1.1 * 0.15
+
+
+def test_it_is_looked_for_where_waits_and_steps_differ_only():
+    motion = moves(6)
+    around = Surroundings(drive_span=90.0, dwell_s=1.0)
+    even = Motion(np.arange(40.0), motion.time_s[:40], np.zeros(40, dtype=int))
+    steady = Motion(motion.drive, np.arange(len(motion)) * 3.0, motion.cycle)
+    assert [MovedFrames().excited(m, around) for m in (motion, even, steady)] == [
+        True,
+        False,
+        False,
+    ]
+
+
+def test_moves_of_one_time_may_stand_in_its_place_and_both_hold_more_when_blurred():
+    motion, around = moves(6), Surroundings(drive_span=90.0, dwell_s=1.0)
+    told = MovedFrames().instead(np.array([LAG_S, SPEED]), motion, around)
+    assert all(isinstance(t, FrameLag) and t.form == "held" for ((t, _),) in told)
+    assert all(values[0] == LAG_S for ((_, values),) in told)
+    for form in ("held", "moved"):
+        assert [t.form for t in richer(term("frame_lag", form))] == ["blurred"]
