@@ -32,7 +32,7 @@ from pipeline.discrepancy.search.odd import oddly
 from pipeline.discrepancy.search.plain_forms import begun_plainly
 from pipeline.discrepancy.search.polish import polished
 from pipeline.discrepancy.search.pressed import pressed
-from pipeline.discrepancy.search.refuted import not_noise, refuted, worth_a_polish
+from pipeline.discrepancy.search.refuted import not_noise, refuted
 from pipeline.discrepancy.search.second_order import swinging
 from pipeline.discrepancy.search.sprung import sprung
 from pipeline.discrepancy.search.weighing import (
@@ -182,8 +182,7 @@ def searched_wide(search: Search, begun: list[Choice], found: list[Choice]) -> l
         return found
     wide = replace(search, wide=True)
     again = choose(wide, found[0].fit.ground)
-    gained = again[0].score < min(c.score for c in begun) - SAME
-    if gained and worth_a_polish(search, again[0], found[0]):
+    if again[0].score < min(c.score for c in begun) - SAME:
         again = polished(wide, again)
     return best_of_each([*found, *again])
 
