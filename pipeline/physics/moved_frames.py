@@ -73,13 +73,17 @@ class MovedFrames(FrameLag):
 
     def instead(self, values: np.ndarray, motion: Motion, around: Surroundings) -> Sequence[Told]:
         """Moves that all take the same time, that of some step here, in place of a steady speed."""
-        steps = np.abs(np.diff(motion.drive))
-        moves_s = np.quantile(steps[steps > 0.0], USUAL) / values[1]
+        moves_s = np.quantile(sizes_of_steps(motion), USUAL) / values[1]
         return [[(FrameLag("held"), np.array([values[0], move_s]))] for move_s in moves_s]
 
     def excited(self, motion: Motion, around: Surroundings) -> bool:
         """Where waits differ, and steps: else `held` says it as well."""
-        steps = np.abs(np.diff(motion.drive))
-        steps = steps[steps > 0.0]
+        steps = sizes_of_steps(motion)
         differ = len(steps) > 0 and float(np.max(steps)) > LARGER * float(np.median(steps))
         return super().excited(motion, around) and differ and uneven(motion.time_s)
+
+
+def sizes_of_steps(motion: Motion) -> np.ndarray:
+    """How far each step goes that moves the drive, (k,) [drive unit]."""
+    steps = np.abs(np.diff(motion.drive))
+    return np.asarray(steps[steps > 0.0])

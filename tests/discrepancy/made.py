@@ -154,3 +154,10 @@ def value_of(result: DiagnosisResult, name: str, parameter: str) -> Estimate:
 def changed(recording: Recording, **columns: np.ndarray) -> Recording:
     """The recording with other values in some columns."""
     return replace(recording, samples=recording.samples.assign(**columns))
+
+
+def diagnosed_beside_its_commands(motion: Motion, seen: np.ndarray) -> DiagnosisResult:
+    """The diagnosis of what a robot shows (n,) that its simulation says goes where it is told."""
+    recording = followed(motion.time_s, motion.drive, seen, 0.002)
+    recording.samples[SIMULATED] = motion.drive
+    return diagnosed(recording)

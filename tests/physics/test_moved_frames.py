@@ -10,17 +10,17 @@ from pipeline.physics.frame_lag import FrameLag
 from pipeline.physics.motion import Motion
 from pipeline.physics.moved_frames import MovedFrames
 from pipeline.physics.term import Surroundings
-from tests.discrepancy.made import diagnosed, followed, names, strokes
+from tests.discrepancy.made import diagnosed_beside_its_commands, names, strokes
 
-RNG = np.random.default_rng(7)
 LAG_S, SPEED = 0.6, 5.0
 
 
 def moves(count: int) -> Motion:
     """Steps of many sizes, each followed by a wait of its own."""
-    drive = strokes(RNG.uniform(15.0, 45.0, count) * (-1.0) ** np.arange(count), 20)
+    rng = np.random.default_rng(7)
+    drive = strokes(rng.uniform(15.0, 45.0, count) * (-1.0) ** np.arange(count), 20)
     moving_s = np.abs(np.diff(drive, prepend=drive[0])) / SPEED
-    time_s = np.cumsum(moving_s + RNG.choice([0.2, 1.0, 3.0], len(drive)))
+    time_s = np.cumsum(moving_s + rng.choice([0.2, 1.0, 3.0], len(drive)))
     return Motion(drive, time_s, np.zeros(len(drive), dtype=int))
 
 
@@ -54,10 +54,8 @@ def test_it_shows_where_a_robot_was_whole_or_in_blocks(form: str, more: tuple[fl
 def test_an_old_frame_of_a_robot_that_moves_at_its_speed_is_told():
     motion = moves(50)
     seen = pose_of(motion, 0.0)(motion.time_s - LAG_S)
-    noise = 0.15 * RNG.standard_normal(len(motion))
-    recording = followed(motion.time_s, motion.drive, seen + noise, 0.002)
-    recording.samples["pitch_angle_sim_deg"] = motion.drive
-    result = diagnosed(recording)
+    noise = 0.15 * np.random.default_rng(8).standard_normal(len(motion))
+    result = diagnosed_beside_its_commands(motion, seen + noise)
     assert names(result) == {"frame_lag"}
     assert result.diagnoses[0].after.heldout_rmse < 1.1 * 0.15
 
@@ -67,11 +65,8 @@ def test_it_is_looked_for_where_waits_and_steps_differ_only():
     around = Surroundings(drive_span=90.0, dwell_s=1.0)
     even = Motion(np.arange(40.0), motion.time_s[:40], np.zeros(40, dtype=int))
     steady = Motion(motion.drive, np.arange(len(motion)) * 3.0, motion.cycle)
-    assert [MovedFrames().excited(m, around) for m in (motion, even, steady)] == [
-        True,
-        False,
-        False,
-    ]
+    shown = [MovedFrames().excited(m, around) for m in (motion, even, steady)]
+    assert shown == [True, False, False]
 
 
 def test_moves_of_one_time_may_stand_in_its_place_and_both_hold_more_when_blurred():

@@ -5,7 +5,7 @@ from scipy.integrate import solve_ivp
 
 from pipeline.physics.motion import Motion
 from pipeline.physics.moved_lag import MovedLag
-from tests.discrepancy.made import diagnosed, followed, names, strokes
+from tests.discrepancy.made import diagnosed_beside_its_commands, names, strokes
 
 RNG = np.random.default_rng(4)
 SPEED, W, DAMPING = 4.0, 2.5, 0.8
@@ -52,8 +52,6 @@ def test_it_follows_its_equation_whole_or_in_blocks():
 def test_a_robot_that_moves_at_its_speed_and_waits_is_late_by_one_lag():
     motion = moves(50)
     noise = 0.15 * RNG.standard_normal(len(motion))
-    recording = followed(motion.time_s, motion.drive, seen(motion) + noise, 0.002)
-    recording.samples["pitch_angle_sim_deg"] = motion.drive
-    result = diagnosed(recording)
+    result = diagnosed_beside_its_commands(motion, seen(motion) + noise)
     assert names(result) == {"response_lag"}
     assert result.diagnoses[0].after.heldout_rmse < 1.1 * 0.15
