@@ -16,11 +16,10 @@ LAG_S, SPEED = 0.6, 5.0
 
 
 def moves(count: int) -> Motion:
-    """Steps of many sizes, each followed by a wait of its own."""
+    """Steps of many sizes at 1, 3 or 10 s: the larger one is, the shorter its wait."""
     rng = np.random.default_rng(7)
     drive = strokes(rng.uniform(15.0, 45.0, count) * (-1.0) ** np.arange(count), 20)
-    moving_s = np.abs(np.diff(drive, prepend=drive[0])) / SPEED
-    time_s = np.cumsum(moving_s + rng.choice([0.2, 1.0, 3.0], len(drive)))
+    time_s = np.cumsum(rng.choice([1.0, 3.0, 10.0], len(drive)))
     return Motion(drive, time_s, np.zeros(len(drive), dtype=int))
 
 
