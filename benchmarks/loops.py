@@ -1,13 +1,14 @@
 """Loops with memory beside SciPy: python benchmarks/loops.py
 
 1800 samples, nine cycles of +-60 deg, one thread, best of 200 in turn. `loop` is the compiled loop
-alone, `term` all that a fit pays for one answer of a mechanism. Peers: scipy.signal.lfilter as the
-quickest recursion at hand (a first-order lag and nothing else), and scipy.integrate.solve_ivp
-(LSODA, rtol 1e-6) on a Bouc-Wen loop over the same motion, the usual way to simulate friction with
-pre-sliding.
+alone, as if no cycle came again, `again` the same where all are known to be alike, and `term` all
+that a fit pays for one answer of a mechanism then. Peers: scipy.signal.lfilter as the quickest
+recursion at hand (a first-order lag and nothing else), and scipy.integrate.solve_ivp (LSODA, rtol
+1e-6) on a Bouc-Wen loop over the same motion, the usual way to simulate friction with pre-sliding.
 """
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import timing
@@ -44,7 +45,8 @@ def cycles() -> Motion:
     """The motion that all are timed on."""
     phase = np.arange(SAMPLES) * CYCLES / SAMPLES % 1.0
     drive = 60.0 * np.interp(phase, [0.0, 0.25, 0.75, 1.0], [0.0, 1.0, -1.0, 0.0])
-    return Motion(drive, 3.0 * np.arange(SAMPLES), np.zeros(SAMPLES, dtype=np.int64))
+    rows = np.arange(SAMPLES)
+    return Motion(drive, 3.0 * rows, rows * CYCLES // SAMPLES)
 
 
 def loop_of(mechanism: Mechanism, motion: Motion) -> Callable[[], object]:
@@ -80,20 +82,23 @@ def main() -> None:
         ),
         "scipy lfilter (lag)": lambda: lfilter([1.0 - pole], [1.0, -pole], motion.drive),
     }
-    whole = {}
+    alone = replace(motion, cycle=np.zeros_like(motion.cycle))
+    alike, whole = {}, {}
     for name, parts in LOOPS.items():
         pieces = [Piece(term(n), np.array(values)) for n, values in parts.items()]
         mechanism = Mechanism(pieces=pieces)
-        rivals[name] = loop_of(mechanism, motion)
+        rivals[name] = loop_of(mechanism, alone)
+        alike[name] = loop_of(mechanism, motion)
         whole[name] = lambda m=mechanism: m.respond(motion)
     timing.ROUNDS = ROUNDS
-    loops, terms = timing.best_s(rivals), timing.best_s(whole)
+    loops, again, terms = (timing.best_s(these) for these in (rivals, alike, whole))
     timing.ROUNDS = 3
     loops |= timing.best_s({"scipy solve_ivp (Bouc-Wen)": lambda: bouc_wen(motion)})
-    print(f"{'':27}{'loop':>10}{'term':>10}  us for {SAMPLES} samples, wanted <= {WANTED_US:g}")
+    head = "".join(f"{column:>10}" for column in ("loop", "again", "term"))
+    print(f"{'':27}{head}  us for {SAMPLES} samples, wanted <= {WANTED_US:g}")
     for name, time_s in loops.items():
-        term_us = f"{1e6 * terms[name]:10.1f}" if name in terms else ""
-        print(f"{name:27}{1e6 * time_s:10.1f}{term_us}")
+        more = [times[name] for times in (again, terms) if name in times]
+        print(f"{name:27}" + "".join(f"{1e6 * t:10.1f}" for t in (time_s, *more)))
 
 
 if __name__ == "__main__":

@@ -21,7 +21,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, cast
 
 import numpy as np
 
-from pipeline.physics.equilibrium import NEVER, balance
+from pipeline.physics.again import balanced_by_cycle
+from pipeline.physics.equilibrium import NEVER, PRECISE, balance
 from pipeline.physics.kinematics import Curve
 from pipeline.physics.memoryless import FEWEST, crept, settled
 from pipeline.physics.motion import Motion
@@ -31,6 +32,7 @@ if TYPE_CHECKING:
     from pipeline.physics.mechanism import Piece
 
 BALANCE = "balance"
+FEWEST_CYCLES = 3
 Loose = tuple[float, float, float, float, bool]
 Toe = tuple[float, float, float, float]
 Wires = tuple[float, float, float, float, float, float, float]
@@ -123,24 +125,24 @@ def settle(
             pushed += curve(motion.drive + one.pushed / curve.slope) - curve(motion.drive)
         if one.torque is not None:
             pushed += one.torque
-    sliders, bristles, arms = len(load.slip), len(load.bristle), len(load.arm)
-    pads = 3 + sliders + bristles + np.arange(len(load.pad) + 1)
-    carried = np.zeros(pads[-1] + 1 + arms) if state is None else state.copy()
+    arms, upright = len(load.arm), 3 + len(load.slip)
+    pads = upright + len(load.bristle)
+    ends = pads + len(load.pad)
+    carried = np.zeros(ends + 1 + arms) if state is None else state.copy()
     if state is None:
-        carried[pads[:-1]] = NEVER
+        carried[pads:ends] = NEVER
     dwell = pushed
     if arms or load.drag > 0.0:
         dwell = motion.dwell_s if state is None else np.diff(motion.time_s, prepend=carried[0])
     angle = np.empty(len(asked))
     if len(asked):
-        bent, pressed = carried[3 + sliders : pads[0]], carried[pads[0] : pads[-1]]
         smooth = (cubic, gravity, zero, 1.0 / motion.radian)
-        bends = bending(load, smooth, curve, (bent, pressed))
+        bends = bending(load, smooth, curve, (carried[upright:pads], carried[pads:ends]))
         arm = np.empty((arms, 5))
         arm[:, :2] = load.arm
         solve(
             np.ascontiguousarray(asked), pushed, dwell, (load.slip, arm, load.drag, linear, bends),
-            carried[1:], angle,
+            carried[1:], angle, motion,
         )  # fmt: skip
         carried[0] = motion.time_s[-1]
     states = {
@@ -179,11 +181,12 @@ def together(loads: Sequence[Load]) -> Load:
 
 def solve(
     asked: np.ndarray, pushed: np.ndarray, dwell: np.ndarray, loads: Loads, state: np.ndarray,
-    angle: np.ndarray,
+    angle: np.ndarray, motion: Motion,
 ) -> None:  # fmt: skip
     """Joint angles (in place, as `state`): of all samples abreast where none needs the one before.
 
-    Arguments: see `equilibrium.balance`.
+    Of a joint that remembers, but not for a time, what repeats is worked out once. Arguments: see
+    `equilibrium.balance`.
     """
     slip, arm, drag, _, bends = loads
     remembers = bends is not None and (len(bends[8]) > 0 or len(bends[11]) > 0)
@@ -193,7 +196,13 @@ def solve(
             return
         if len(arm) > 0 and crept(asked, pushed, dwell, loads, state, angle):
             return
-    balance(asked, pushed, dwell, loads, state, angle)
+    begins = motion.cycle_begins
+    if len(arm) > 0 or drag > 0.0 or len(begins) < FEWEST_CYCLES + 1:
+        balance(asked, pushed, dwell, loads, state, angle)
+        return
+    states = np.empty((len(begins) - 1, len(state)))
+    within = PRECISE * motion.radian
+    balanced_by_cycle(asked, pushed, loads, begins, within, states, state, angle)
 
 
 def bending(

@@ -119,13 +119,13 @@ class Contact(Term):
         return bool(values[0] == 0.0 and (HARDENING not in self.form or values[3] == 0.0))
 
     def load(self, values: np.ndarray, motion: Motion, state: np.ndarray | None) -> Load:
-        stiffness, angle, skin, *more = values
+        stiffness, angle, skin, *more = values.tolist()
         if LOSSY in self.form:
             (flank, kept), push = more, self.side * skin * stiffness
             return Load(pad=np.array([[self.side / skin, angle, push, flank * stiffness, kept]]))
         hard = more[0] if HARDENING in self.form else 0.0
-        push = self.side * skin * np.array([stiffness, hard * skin])
-        contact = np.array([[self.side / skin, angle, *push]])
+        deep = self.side * skin
+        contact = np.array([[self.side / skin, angle, deep * stiffness, deep * hard * skin]])
         return Load(contact=contact, pretension=more[0] if "unloading" in self.form else np.inf)
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:

@@ -42,7 +42,7 @@ class EndStop(Term):
         )
 
     def load(self, values: np.ndarray, motion: Motion, state: np.ndarray | None) -> Load:
-        angle, softness, give = values
+        angle, softness, give = values.tolist()
         contact = [[self.side / softness, angle, self.side * softness / give, 0.0]]
         return Load(contact=np.array(contact))
 

@@ -84,8 +84,8 @@ class Friction(Term):
         return (*own, Parameter("asymmetry", "", -0.9, 0.9, 0.0, 0.3))
 
     def load(self, values: np.ndarray, motion: Motion, state: np.ndarray | None) -> Load:
-        width, reach, spread = values[:3]
-        more = values[3] if len(values) > 3 else 0.0
+        width, reach, spread, *others = values.tolist()
+        more = others[0] if others else 0.0
         asymmetry, growth = (0.0, more) if self.form == WRAPPED else (more, 0.0)
         if "bristle" in self.form:
             limits = 0.5 * width * (1.0 + asymmetry), 0.5 * width * (1.0 - asymmetry)

@@ -79,7 +79,7 @@ class LostSteps(Term):
     ) -> tuple[np.ndarray, np.ndarray]:
         out = signal.astype(float)
         for jump, time_s in zip(values[0::2], values[1::2], strict=True):
-            out[np.searchsorted(motion.time_s, time_s) :] += jump
+            out[motion.time_s.searchsorted(time_s) :] += jump
         return out, NO_STATE
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:

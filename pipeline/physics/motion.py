@@ -116,6 +116,12 @@ class Motion:
         return went, rows + np.cumsum(extra)
 
     @cached_property
+    def cycle_begins(self) -> np.ndarray:
+        """The first row of each cycle, and the number of rows, (cycles + 1,)."""
+        begins = np.flatnonzero(np.diff(self.cycle, prepend=self.cycle[:1] - 1))
+        return np.append(begins, len(self.cycle))
+
+    @cached_property
     def dwell_s(self) -> np.ndarray:
         """Time that each command had before its sample was taken, (n,); none the first."""
         return np.diff(self.time_s, prepend=self.time_s[:1])

@@ -51,7 +51,7 @@ class SoftWire(Compliance):
         return bool(values[0] == 0.0 and values[2] == 0.0)
 
     def load(self, values: np.ndarray, motion: Motion, state: np.ndarray | None) -> Load:
-        softness, reach, stretch, stiffness, *middle = values
+        softness, reach, stretch, stiffness, *middle = values.tolist()
         if self.form == "toe":
             toe = softness / (softness + stiffness)
             half_gone = np.log(2.0 - toe) - toe * (1.0 - toe) / (2.0 - toe)

@@ -36,6 +36,15 @@ def test_columns_that_are_alike_are_solved_without_a_failure():
     assert normal @ x == pytest.approx(np.ones((2, 1)), rel=1e-6)
 
 
+@pytest.mark.parametrize("many", [0, 1, 2, 3, 5])
+def test_however_many_columns_there_are_each_is_whitened_as_by_itself(many):
+    columns = RNG.normal(size=(ROWS, many))
+    kalman = NOISE.gains(CYCLE, USED, STANDS), NOISE.kept(STANDS), CYCLE
+    white = whitened(columns, *kalman)
+    root = np.linalg.cholesky(dense())
+    np.testing.assert_allclose(white, np.linalg.solve(root, columns[USED]), atol=1e-9)
+
+
 def test_weights_and_cost_are_those_of_generalised_least_squares():
     columns, measured = RNG.normal(size=(ROWS, 3)), RNG.normal(size=ROWS)
     precision, expected = np.diag([4.0, 0.5, 1.0]), np.array([1.0, 0.0, -0.2])

@@ -1,5 +1,7 @@
 """What an explanation is charged for its terms, beside what it leaves."""
 
+from math import log
+
 import numpy as np
 
 from pipeline.discrepancy.fitting.calibration import FAR_OFF, absurd_gain
@@ -23,7 +25,7 @@ def complexity(fit: Fit) -> float:
     """
     first_s = fit.ground.problem.motion.time_s[int(np.argmax(fit.ground.used))]
     around = fit.ground.problem.around
-    charge = 0.0 if absurd_calibration(fit) is None else VOID
+    charge, each = 0.0 if absurd_calibration(fit) is None else VOID, log(independent(fit.ground))
     for i, piece in enumerate(fit.pieces):
         charge += VOID if piece.term.void(piece.values) else 0.0
         charge += NEVER if piece.term.slight(piece.values, around) else 0.0
@@ -34,7 +36,7 @@ def complexity(fit: Fit) -> float:
         for p, value in zip(parameters, piece.values, strict=True):
             charge += VOID if p.moment and value <= first_s else 0.0
             nothing = p.weak or (value <= p.low and p.typical > 0.0)
-            charge += AT_BOUND if nothing else np.log(independent(fit.ground))
+            charge += AT_BOUND if nothing else each
     return charge
 
 

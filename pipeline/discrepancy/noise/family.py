@@ -5,6 +5,7 @@ from dataclasses import dataclass, field, replace
 from math import exp, log
 
 import numpy as np
+from numba import njit
 
 from pipeline.discrepancy.noise.learning import NoisePrior
 from pipeline.discrepancy.noise.noise import NoiseModel, square_of, whitened
@@ -81,24 +82,11 @@ class NoiseFamily:
         level_open: at the likeliest level of the residual, too: a walk starts from its first rows.
         """
         gains, kept, log_scales, level = self.filter_at(place)
-        spell = self.prior.model.spell
-        square, along = square_of(residual, gains, kept, self.cycle, level)
-        if level_open:
-            square = max(square - along * along, 0.0)
-        n = len(level) / spell
-        sure, learnt = self.prior.sure, log(self.prior.model.deviation)
-        least = log(self.prior.finest)
-        log_scale = max(0.5 * log(max(square / n, 1e-300)), least)
-        for _ in range(3):
-            slope = 2 * n - 2 * square * exp(-2 * log_scale)
-            slope += 2 * min(max((log_scale - learnt) / sure**2, -2 / sure), 2 / sure)
-            log_scale -= slope / (4 * square * exp(-2 * log_scale) + 2 / sure**2)
-            log_scale = max(log_scale, least)
-        cost = square * exp(-2 * log_scale) + 2 * n * log_scale
-        cost += log_scales / spell
-        off = abs(log_scale - learnt) / sure
-        cost += off**2 if off < 2.0 else 4.0 * (off - 1.0)
-        return cost + self.charge(place) + self.strained(place), exp(log_scale)
+        spell, deviation = self.prior.model.spell, self.prior.model.deviation
+        known = log(deviation), self.prior.sure, log(self.prior.finest)
+        whitening = gains, kept, self.cycle, level
+        cost, scale = _likeliest(residual, whitening, level_open, spell, known)
+        return cost + log_scales / spell + self.charge(place) + self.strained(place), scale
 
     def charge(self, place: Place) -> float:
         """-2 log odds against a zero that jitters or walks as at a place."""
@@ -164,6 +152,31 @@ class NoiseFamily:
             jitter=unit.jitter * scale,
             walk=unit.walk * scale,
         )
+
+
+@njit(cache=True, error_model="numpy")
+def _likeliest(residual, whitening, level_open, spell, known):  # type: ignore[no-untyped-def]
+    """-2 log posterior at a residual's likeliest scale, and that; for the rest see `weigh`.
+
+    whitening: see `square_of`. spell: samples that count as one. known: log of the scale that was
+    learnt, how sure that is, and log of the least.
+    """
+    gains, kept, cycle, level = whitening
+    learnt, sure, least = known
+    square, along = square_of(residual, gains, kept, cycle, level)
+    if level_open:
+        square = max(square - along * along, 0.0)
+    n = level.size / spell
+    log_scale = max(0.5 * log(max(square / n, 1e-300)), least)
+    for _ in range(3):
+        slope = 2.0 * n - 2.0 * square * exp(-2.0 * log_scale)
+        slope += 2.0 * min(max((log_scale - learnt) / sure**2, -2.0 / sure), 2.0 / sure)
+        log_scale -= slope / (4.0 * square * exp(-2.0 * log_scale) + 2.0 / sure**2)
+        log_scale = max(log_scale, least)
+    cost = square * exp(-2.0 * log_scale) + 2.0 * n * log_scale
+    off = abs(log_scale - learnt) / sure
+    cost += off**2 if off < 2.0 else 4.0 * (off - 1.0)
+    return cost, exp(log_scale)
 
 
 def usual_charge(place: Place) -> float:

@@ -171,14 +171,13 @@ def grown_last(search: Search, choices: list[Choice]) -> list[Choice]:
 
 
 def searched_wide(search: Search, begun: list[Choice], found: list[Choice]) -> list[Choice]:
-    """The choices; where what the best leaves can't be noise, those of a search without shortcuts.
+    """The choices; where the best is a pile of names, those of a search without shortcuts.
 
-    Nor does it stop at as many names as a search takes: they may be a pile that mops up what other
-    names explain. What gains most at first is then not on the way to what explains most. begun: the
-    choices that those found were polished from; from a best that is no better, a polish would come
-    to no better.
+    As many names as a search takes may mop up what others explain: what gains most at first is then
+    not on the way to what explains most. begun: the choices that those found were polished from;
+    from a best that is no better, a polish would come to no better.
     """
-    if not (refuted(search, found[0]) or piled(found[0])):
+    if not piled(found[0]):
         return found
     wide = replace(search, wide=True)
     again = choose(wide, found[0].fit.ground)

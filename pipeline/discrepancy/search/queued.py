@@ -6,6 +6,7 @@ A mean lag, play or friction takes half of it; from that no step leads to the qu
 from collections.abc import Iterable
 
 import numpy as np
+from numba import njit
 from scipy.optimize import minimize
 
 from pipeline.discrepancy.fitting.effects import late
@@ -103,22 +104,37 @@ def folded(fit: Fit, often: Iterable[float], parts: int) -> list[list[float]]:
     off = ground.problem.measured - predicted
     rows = np.flatnonzero(ground.used & np.isfinite(off) & (step != 0.0))
     weight, moved = step[rows] ** 2, -off[rows] * step[rows]
-    every = max(float(weight.sum()), 1e-300)
-    saw = (np.arange(parts) + 0.5 - np.arange(parts)[:, None]) % parts / parts
-    found = []
-    for frequency in np.asarray(often) / len(step):
-        part = (rows * frequency % 1.0 * parts).astype(int)
-        w, y = np.bincount(part, weight, parts), np.bincount(part, moved, parts)
-        mean, lag = saw @ w / every, y.sum() / every
-        spread = np.maximum(saw**2 @ w - mean**2 * every, 1e-12 * every)
-        rise = (saw @ y - mean * y.sum()) / spread
-        gain = np.where(rise > 0.0, rise**2 * spread, 0.0)
-        best = int(np.argmax(gain))
-        floor = max((lag - rise[best] * mean[best]) / max(rise[best], 1e-9), 0.0)
-        total = float(gain[best] + lag**2 * every)
-        shape = [rise[best], 1.0 / frequency, 1.0 - best / parts, floor]
-        found.append([total, *shape, float(gain[best])])
-    return sorted(found, reverse=True)
+    return sorted(
+        [*_sawtooth(rows, weight, moved, frequency, parts)]
+        for frequency in np.asarray(often) / len(step)
+    )[::-1]
+
+
+@njit(cache=True, error_model="numpy")
+def _sawtooth(rows, weight, moved, frequency, parts):  # type: ignore[no-untyped-def]
+    """The best queue of a frequency [1/row], as a row of `folded`; weight, moved: of each row."""
+    w, y = np.zeros(parts), np.zeros(parts)
+    for i in range(rows.size):
+        part = int(rows[i] * frequency % 1.0 * parts)
+        w[part] += weight[i]
+        y[part] += moved[i]
+    every, all_moved = max(w.sum(), 1e-300), y.sum()
+    best, rise, mean, gain = 0, 0.0, 0.0, -1.0
+    for begin in range(parts):
+        first, second, along = 0.0, 0.0, 0.0
+        for k in range(parts):
+            saw = (k + 0.5 - begin) % parts / parts
+            first += saw * w[k] / every
+            second += saw * saw * w[k]
+            along += saw * y[k]
+        spread = max(second - first * first * every, 1e-12 * every)
+        steep = (along - first * all_moved) / spread
+        gained = steep * steep * spread if steep > 0.0 else 0.0
+        if gained > gain:
+            best, rise, mean, gain = begin, steep, first, gained
+    lag = all_moved / every
+    floor = max((lag - rise * mean) / max(rise, 1e-9), 0.0)
+    return gain + lag * lag * every, rise, 1.0 / frequency, 1.0 - best / parts, floor, gain
 
 
 def settled(fit: Fit, values: np.ndarray, most: float) -> Fit:
