@@ -10,6 +10,8 @@ from numba import njit
 from pipeline.physics.equilibrium import balance
 from pipeline.physics.tabled import inlined
 
+BACK = 20
+
 
 @inlined
 def _close(one, other, within):  # type: ignore[no-untyped-def]
@@ -26,6 +28,22 @@ def _copy(source, target):  # type: ignore[no-untyped-def]
         target[i] = source[i]
 
 
+@inlined
+def _as_before(i, q, pushed, begins, within, states):  # type: ignore[no-untyped-def]
+    """Which of the BACK cycles before began and went as the i-th, -1 where none did."""
+    here = slice(begins[i], begins[i + 1])
+    for k in range(i - 1, max(i - BACK, 0) - 1, -1):
+        there = slice(begins[k], begins[k + 1])
+        if (
+            q[there].size == q[here].size
+            and _close(states[k], states[i], within)
+            and _close(q[there], q[here], within)
+            and _close(pushed[there], pushed[here], within)
+        ):
+            return k
+    return -1
+
+
 @njit(cache=True, error_model="numpy", _nrt=False)  # type: ignore[call-overload]
 def balanced_by_cycle(q, pushed, loads, begins, within, states, state, out):  # type: ignore[no-untyped-def]
     """As `equilibrium.balance` of a joint whose loads don't go by time, cycle by cycle.
@@ -36,21 +54,10 @@ def balanced_by_cycle(q, pushed, loads, begins, within, states, state, out):  # 
     """
     for i in range(begins.size - 1):
         here = slice(begins[i], begins[i + 1])
-        asked, push = q[here], pushed[here]
         _copy(state, states[i])
-        last = i - 1
-        while last >= 0:
-            before = slice(begins[last], begins[last + 1])
-            if (
-                q[before].size == asked.size
-                and _close(states[last], state, within)
-                and _close(q[before], asked, within)
-                and _close(pushed[before], push, within)
-            ):
-                break
-            last -= 1
-        if last >= 0:
-            _copy(out[slice(begins[last], begins[last + 1])], out[here])
-            _copy(states[last + 1], state)
+        k = _as_before(i, q, pushed, begins, within, states)
+        if k >= 0:
+            _copy(out[slice(begins[k], begins[k + 1])], out[here])
+            _copy(states[k + 1], state)
         else:
-            balance(asked, push, push, loads, state, out[here])
+            balance(q[here], pushed[here], pushed[here], loads, state, out[here])
