@@ -72,7 +72,7 @@ class RecurringSlip(Term):
         return signal + jump * slips, np.array([motion.drive[-1], way, cycle, turned[-1], before])
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
-        starts = np.flatnonzero(np.diff(motion.cycle, prepend=motion.cycle[0] - 1))
+        starts = motion.cycle_begins[:-1]
         few = starts[np.unique(np.linspace(0, len(starts) - 1, ONSETS).astype(int))]
         size = 0.003 * around.drive_span
         return np.column_stack([np.full(len(few), size), motion.time_s[few]])
