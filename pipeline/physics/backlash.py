@@ -9,6 +9,7 @@ from pipeline.physics.play_operator import play
 from pipeline.physics.term import Parameter, Surroundings, Term
 from pipeline.physics.transmission_ripple import TransmissionRipple
 from pipeline.physics.uneven_play import FORMS, UnevenPlay
+from pipeline.physics.yielding_play import YieldingPlay
 
 AHEAD, PIN = "ahead of ripple", "pin"
 BEFORE_RIPPLE, BEHIND_JOINT = TransmissionRipple.place - 5.0, 85.0
@@ -53,7 +54,9 @@ class Backlash(Term):
         return () if self.form else (Backlash(AHEAD),)
 
     def richer(self) -> tuple[Term, ...]:
-        return () if self.form else (CoastingPlay(), Backlash(PIN), *map(UnevenPlay, FORMS))
+        if self.form:
+            return ()
+        return CoastingPlay(), YieldingPlay(), Backlash(PIN), *map(UnevenPlay, FORMS)
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
         unit, span = self.reach(around)

@@ -20,6 +20,7 @@ class Piece:
 
 
 State = Mapping[str, np.ndarray]
+COURSE = "course"
 
 
 @dataclass(frozen=True)
@@ -46,7 +47,8 @@ class Mechanism:
     Terms that are in balance (friction, compliance, gravity, contact, stop) meet in one implicit
     equation, see `balance.py`. The answer is gain * seen + offset + error(seen). Where a force is
     measured against the motion, terms add to the simulated force and the gain is that of the
-    simulation: gain * simulated + offset + what the terms add.
+    simulation: gain * simulated + offset + what the terms add. course: what the simulation itself
+    has beside its curve, next to that: play before it, or a lag behind it.
     """
 
     curve: Curve = field(default_factory=IdentityCurve)
@@ -54,6 +56,7 @@ class Mechanism:
     gain: float = 1.0
     offset: float = 0.0
     error: SmoothError | None = None
+    course: Piece | None = None
 
     def respond(self, motion: Motion, state: State | None = None) -> tuple[np.ndarray, State]:
         """The angle of each sample, shape (n,), and the state after the last one.
@@ -78,8 +81,21 @@ class Mechanism:
             if piece.term.before_curve:
                 signal = _apply(piece, signal, motion, before, after)
         kinetics = motion.kinetics
-        signal = self.curve(signal) if kinetics is None else kinetics.simulated
+        signal = (
+            self._curved(signal, motion, before, after) if kinetics is None else kinetics.simulated
+        )
         return self._balanced(signal, pieces, motion, before, after)
+
+    def _curved(
+        self, signal: np.ndarray, motion: Motion, before: State, after: dict[str, np.ndarray]
+    ) -> np.ndarray:
+        """What the simulation makes of a drive that terms have altered, (n,)."""
+        if self.course is None:
+            return self.curve(signal)
+        term, values = self.course.term, self.course.values
+        asked = signal if term.before_curve else self.curve(signal)
+        asked, after[COURSE] = term.respond(asked, motion, values, before.get(COURSE))
+        return self.curve(asked) if term.before_curve else asked
 
     def balanced(self, asked: np.ndarray, motion: Motion) -> Trace:
         """The same where all that the wire asks for (n,) is known."""

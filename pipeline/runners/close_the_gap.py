@@ -82,7 +82,8 @@ def _compensate(run: Run, laboratory: Laboratory, answered: Answered) -> None:
     """Drive along the trial path by the inverse of the simulation, as it came and corrected."""
     axis = run.config.close_the_gap.axis
     model = answered.models[0]
-    mechanisms = {"nominal": Mechanism(model.mechanism.curve), "compensated": model.mechanism}
+    nominal = Mechanism(model.mechanism.curve, course=model.mechanism.course)
+    mechanisms = {"nominal": nominal, "compensated": model.mechanism}
     landings = {}
     for method, mechanism in mechanisms.items():
         solutions = _solutions(run, model, mechanism)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from pipeline.discrepancy.model.result import VERDICTS
-from pipeline.discrepancy.problem.problem import DiagnosisError
+from pipeline.discrepancy.problem.driven import DiagnosisError
 from pipeline.physics.catalogue import BENDS
 from tests.discrepancy.made import ANGLE, NOISE, SIMULATED, changed, diagnosed, names, recorded
 

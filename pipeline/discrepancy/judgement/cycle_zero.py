@@ -10,19 +10,22 @@ from pipeline.number_words import worded
 from pipeline.physics.drift import Drift
 from pipeline.physics.lost_steps import LostSteps
 
-FEWEST_CYCLES = 5
+FEWEST_CYCLES, BESIDE_SLIPS = 5, 2.0
 SURELY, WITHIN = 0.9, 0.95
 SAYS = "The zero is another one in each cycle, by about {size} {unit}: no command foretells it."
 OR_SLIPPED = " It stands at two levels, one after the other: one slip in between leaves the same."
 
 
 def wanders_by_cycle(choice: Choice) -> bool:
-    """Whether each cycle's zero surely jitters by more than the noise; nothing slow is named."""
+    """Whether each cycle's zero surely jitters by more than the noise, beside slips by much more.
+
+    Slips that are named take some of it. Where a drift is, that is it.
+    """
     noise = choice.fit.ground.noise
-    if noise.jitter == 0.0 or choice.fit.slow:
+    if noise.jitter == 0.0 or Drift.name in choice.fit.slow:
         return False
-    means = zeros_of(choice)
-    return len(means) >= FEWEST_CYCLES and deviation_of(means)[1] > noise.deviation
+    means, least = zeros_of(choice), noise.deviation * (BESIDE_SLIPS if choice.fit.slow else 1.0)
+    return len(means) >= FEWEST_CYCLES and deviation_of(means)[1] > least
 
 
 def zeros_of(choice: Choice) -> np.ndarray:

@@ -21,6 +21,7 @@ from pipeline.discrepancy.judgement.verdict import (
     sure_of_slow,
     told_but_for_its_form,
 )
+from pipeline.discrepancy.judgement.walking_zero import walks_far
 from pipeline.discrepancy.problem.problem import Problem
 from pipeline.discrepancy.search.accuracy import (
     calibrated_alone,
@@ -54,7 +55,8 @@ def decided(problem: Problem, explanation: Explanation) -> tuple[Choice, Structu
     best, structure = judge(problem, explanation, best, structure, absurd is None)
     if not structure.found:
         off, counted = counted_errors(problem, explanation, best, predicted_by(problem, best))
-        where = strained(problem, off, counted, best.fit.ground.noise)
+        drifts = walks_far(explanation, best)
+        where = strained(problem, off, counted, best.fit.ground.noise, drifts)
         structure = replace(structure, found=where is not None, where=where or structure.where)
     if structure.found:
         share = max(structure.share, share_left(explanation, best))

@@ -3,7 +3,8 @@
 from collections.abc import Container
 
 import numpy as np
-from scipy.special import stdtr
+from scipy.optimize import minimize
+from scipy.special import gammaln, pdtrc, stdtr
 
 from pipeline.discrepancy.judgement.cycle_zero import about_each_zero
 from pipeline.discrepancy.judgement.loudness import loudness
@@ -23,7 +24,7 @@ FEWEST, FEWEST_FAR = 3, 2
 CREDIBLE, NEARLY_ALL = 3.0, 0.8
 FAR = 10.0
 BY_CHANCE = 1e-3
-HEAVY, EXPECTED = 3.0, 0.3
+HEAVY, LIGHT = 3.0, 8.0
 Z, SURELY = 1.96, 0.97
 AGAIN = "In {share:.2g} of the samples the sensor says again what it said in the one before."
 STALE = (
@@ -44,7 +45,7 @@ def mistaken_frames(
     then they show what was still on its way. Nor where noise with heavy tails throws some as far.
     """
     found = share_and_size(explanation)
-    if found is None or of_heavy_tails(explanation, found[1].value):
+    if found is None or of_heavy_tails(explanation):
         return None
     noise = explanation.choices[0].fit.ground.noise.deviation
     few = alone(incredible(explanation)) < FEWEST
@@ -69,19 +70,40 @@ def mistaken_frames(
     )
 
 
-def of_heavy_tails(explanation: Explanation, size: float) -> bool:
-    """Whether noise with the tails of the other rows throws some of them as far as that.
+def of_heavy_tails(explanation: Explanation) -> bool:
+    """Whether noise with the tails of the other rows throws as many of them as far as these are.
 
-    Student's t with their kurtosis, where that is surely not a Gaussian's, says how many.
+    Student's t says how many, where the other rows are surely no Gaussian's. Those that are
+    mistaken were left out of them: they are a sample that is cut off (`tails_of`).
     """
     fit = explanation.choices[0].fit
-    squares = fit.innovations**2
-    excess = float(np.mean(squares**2) / np.mean(squares) ** 2) - 3.0
-    if excess < HEAVY * np.sqrt(24.0 / len(squares)):
-        return False
-    freedom = 4.0 + 6.0 / excess
-    far = size / fit.ground.noise.deviation * np.sqrt(freedom / (freedom - 2.0))
-    return bool(2.0 * len(squares) * stdtr(freedom, -far) > EXPECTED)
+    off = np.abs(errors_of(explanation))[incredible(explanation)] / fit.ground.noise.deviation
+    freedom, scale = tails_of(fit.innovations / np.std(fit.innovations), float(off.min()))
+    expected = 2.0 * len(fit.innovations) * stdtr(freedom, -off.min() / scale)
+    return bool(pdtrc(len(off) - 1, expected) > BY_CHANCE)
+
+
+def tails_of(values: np.ndarray, most: float) -> tuple[float, float]:
+    """Degrees of freedom and scale of Student's t of values (n,) of which none is beyond `most`.
+
+    Maximum likelihood of the distribution cut off there; infinite where a Gaussian, cut off so,
+    is hardly less likely (HEAVY deviations).
+    """
+    kept = values[np.abs(values) < most]
+
+    def cost(logs: np.ndarray) -> float:
+        freedom, scale = np.exp(np.clip(logs, -5.0, LIGHT))
+        at = kept / scale
+        own = gammaln(0.5 * freedom + 0.5) - gammaln(0.5 * freedom) - 0.5 * np.log(np.pi * freedom)
+        inside = 1.0 - 2.0 * stdtr(freedom, -most / scale)
+        tails = 0.5 * (freedom + 1.0) * np.sum(np.log1p(at * at / freedom))
+        return float(2.0 * (tails - len(kept) * (own - np.log(scale) - np.log(inside))))
+
+    light = minimize(lambda s: cost(np.array([LIGHT, s[0]])), [0.0], method="Nelder-Mead")
+    heavy = minimize(cost, [2.0, -0.1], method="Nelder-Mead")
+    if heavy.fun > light.fun - HEAVY**2:
+        return np.inf, 1.0
+    return float(np.exp(heavy.x[0])), float(np.exp(heavy.x[1]))
 
 
 def share_and_size(explanation: Explanation) -> tuple[Estimate, Estimate] | None:

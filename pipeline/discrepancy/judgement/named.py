@@ -16,6 +16,7 @@ from pipeline.discrepancy.judgement.mistaken import (
 )
 from pipeline.discrepancy.judgement.rivals import mechanism_of
 from pipeline.discrepancy.judgement.structure import Structure
+from pipeline.discrepancy.judgement.walking_zero import zero_that_walks
 from pipeline.discrepancy.model.intervals import estimates, stated
 from pipeline.discrepancy.model.result import Evidence, NamedPhysics
 from pipeline.discrepancy.search.explain import Explanation
@@ -47,6 +48,7 @@ def named_physics(
         told = {*out, *(b.name for b in beside if b is not None)}
         if not structure.found:
             beside.append(zero_of_each_cycle(explanation.problem, best, evidence))
+            beside.append(zero_that_walks(explanation, best, evidence))
             beside.append(late_now_and_then(explanation, evidence))
         if out or not structure.found:
             beside.append(mistaken_frames(explanation, evidence, told, structure.found))

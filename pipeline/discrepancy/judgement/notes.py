@@ -8,6 +8,7 @@ from pipeline.discrepancy.judgement.loudness import loud_note
 from pipeline.discrepancy.judgement.slipped_again import slip_note
 from pipeline.discrepancy.judgement.structure import rounded
 from pipeline.discrepancy.judgement.verdict import intolerable
+from pipeline.discrepancy.judgement.walking_zero import walk_in_a_cycle
 from pipeline.discrepancy.model.result import Evidence, root_mean
 from pipeline.discrepancy.problem.fitted import LOOSE_GAIN
 from pipeline.discrepancy.problem.inputs import input_shares, said_shares
@@ -41,6 +42,7 @@ def notes(
             f"{problem.around.drive_unit}, and the measurement does not go in such steps: the "
             "smoothest motion within half a count drives the terms."
         )
+    out += course_note(problem)
     if problem.own:
         unit = problem.around.angle_unit
         out.append(
@@ -130,6 +132,17 @@ def sample_notes(problem: Problem) -> list[str]:
     return out
 
 
+def course_note(problem: Problem) -> list[str]:
+    """What the simulation has beside its curve, and where named terms act."""
+    if problem.course is None:
+        return []
+    term, values = problem.course.term, problem.course.values
+    return [
+        f"The simulation itself has, of {problem.drive}: {term.sentence(values, problem.around)} "
+        "That is kept as it is: what is named acts inside of it."
+    ]
+
+
 def free_gain_note(problem: Problem, best: Choice) -> list[str]:
     """What became of a simulation's gain that was no knowledge, see `fitted.py`."""
     gain = float(best.fit.nuisance[0])
@@ -162,10 +175,8 @@ def replaced_note(problem: Problem, best: Choice) -> list[str]:
 
 def walking_note(problem: Problem, best: Choice) -> list[str]:
     """How far a zero that walks goes in a cycle, in words, where that is more than the noise."""
-    noise = best.fit.ground.noise
-    rows = len(best.fit.ground.used) / len(np.unique(best.fit.ground.problem.cycle))
-    far = noise.walk * float(np.sqrt(rows))
-    if far < noise.deviation:
+    far = walk_in_a_cycle(best)
+    if far < best.fit.ground.noise.deviation:
         return []
     return [
         f"The zero walks by about {far:.2g} {problem.around.angle_unit} in a cycle, which no "

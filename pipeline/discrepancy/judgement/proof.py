@@ -14,6 +14,7 @@ from pipeline.discrepancy.judgement.structure import (
     mismatch_variance,
     rounded,
 )
+from pipeline.discrepancy.judgement.walking_zero import witnessed
 from pipeline.discrepancy.model.intervals import undated
 from pipeline.discrepancy.model.result import root_mean
 from pipeline.discrepancy.noise.noise import SLOW_CORRELATION, NoiseModel
@@ -78,14 +79,15 @@ def counted_errors(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Errors (n,) of a prediction (n,), and the rows (n,) that count.
 
-    Each cycle's zero is taken off where these differ, and so is a slip more where slips are named.
+    Each cycle's zero is taken off where these differ or the zero walks, and so is a slip more where
+    slips are named.
     """
     again = slipped_again(problem, choice, predicted)
     predicted = predicted if again is None else again.predicted
     off = problem.measured - predicted
     lone = set_aside(problem, predicted, explanation.prior)
     counted = ~lone & ~undated(choice.fit, problem.motion.time_s)
-    if wanders_by_cycle(choice):
+    if wanders_by_cycle(choice) or witnessed(explanation, choice):
         off = about_each_zero(off, problem.cycle, counted & np.isfinite(off))
     return off, counted
 
@@ -103,19 +105,24 @@ def refuted(problem: Problem, off: np.ndarray, counted: np.ndarray) -> bool:
 
 
 def strained(
-    problem: Problem, off: np.ndarray, counted: np.ndarray, noise: NoiseModel
+    problem: Problem,
+    off: np.ndarray,
+    counted: np.ndarray,
+    noise: NoiseModel,
+    drifts: bool = False,
 ) -> str | None:
     """Where held-out rows (as in `disproved`) are off by more than usual, though none refuted.
 
     Names stay then: they may hold, though not all is said; what holds between the commands that
     were fitted holds there all the same if it errs beyond them. A zero that walks by many times the
-    noise is not all said either; at which level it does, is a matter of where it began.
+    noise is not all said either, unless it is told as a drift (`drifts`); at which level it does,
+    is a matter of where it began.
     """
     left = off[problem.train & counted]
     if noise.walk > 0.0:
         off = off - np.mean(left)
         left = left - np.mean(left)
-        if np.var(left) > FAR_WALK * noise.deviation**2:
+        if not drifts and np.var(left) > FAR_WALK * noise.deviation**2:
             return WALKS
     zeros = zeros_apart(problem, off, counted) if noise.jitter > 0.0 else 0.0
     apart = float(np.hypot(FAR * noise.deviation, zeros))

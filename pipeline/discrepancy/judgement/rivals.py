@@ -77,4 +77,5 @@ def mechanism_of(problem: Problem, choice: Choice) -> Mechanism:
         float(fit.nuisance[0]),
         float(fit.nuisance[1]),
         fit.ground.nuisances.error(fit.nuisance),
+        problem.course,
     )

@@ -154,7 +154,8 @@ def _mechanism(like: Mechanism, flat: np.ndarray) -> Mechanism:
     for piece in like.pieces:
         pieces.append(Piece(piece.term, flat[k : k + len(piece.values)]))
         k += len(piece.values)
-    return Mechanism(like.curve, tuple(pieces), float(flat[0]), float(flat[1]), error)
+    gain, offset = (float(value) for value in flat[:2])
+    return replace(like, pieces=tuple(pieces), gain=gain, offset=offset, error=error)
 
 
 def as_json(model: CorrectedModel) -> dict[str, Any]:
@@ -177,6 +178,7 @@ def as_json(model: CorrectedModel) -> dict[str, Any]:
         "simulated": model.simulated,
         "delay_s": model.delay_s,
         "curve": curve,
+        "course": None if m.course is None else _told(m.course),
         **_fitted(m, model.zero),
         "later": None if model.later is None else _fitted(model.later, None),
         "lasted_s": model.lasted_s if np.isfinite(model.lasted_s) else None,
@@ -198,12 +200,14 @@ def _fitted(m: Mechanism, zero: WalkedZero | None) -> dict[str, Any]:
         "gain": m.gain,
         "offset": m.offset,
         "error": None if m.error is None else asdict(m.error),
-        "terms": [
-            {"name": p.term.name, "form": p.term.form,
-             "parameters": dict(zip(_parameters(p.term), p.values.tolist(), strict=True))}
-            for p in m.pieces
-        ],
-    }  # fmt: skip
+        "terms": [_told(p) for p in m.pieces],
+    }
+
+
+def _told(piece: Piece) -> dict[str, Any]:
+    """A term and its values by name."""
+    parameters = dict(zip(_parameters(piece.term), piece.values.tolist(), strict=True))
+    return {"name": piece.term.name, "form": piece.term.form, "parameters": parameters}
 
 
 def from_json(entry: Mapping[str, Any], others: list[str]) -> CorrectedModel:
@@ -221,10 +225,12 @@ def from_json(entry: Mapping[str, Any], others: list[str]) -> CorrectedModel:
         if entry["curve"] is not None:
             c = entry["curve"]
             curve = SampledCurve(c["first"], c["spacing"], np.array(c["angle"], dtype=float))
-        mechanism = _refitted(entry, curve, others)
+        course = None if entry.get("course") is None else _piece(entry["course"], others)
+        like = Mechanism(curve, course=course)
+        mechanism = _refitted(entry, like, others)
         rivals = tuple(
             Hypothesis(tuple(t["name"] for t in r["terms"]), r["probability"],
-                       _refitted(r, curve, others), _zero(r))
+                       _refitted(r, like, others), _zero(r))
             for r in entry.get("rivals", [])
         )  # fmt: skip
         return CorrectedModel(
@@ -232,7 +238,7 @@ def from_json(entry: Mapping[str, Any], others: list[str]) -> CorrectedModel:
             mechanism, NoiseModel(**entry["noise"]), np.array(entry["covariance"], dtype=float),
             entry.get("force", False), entry.get("simulated", True), entry.get("delay_s", 0.0),
             rivals, _zero(entry),
-            None if entry.get("later") is None else _refitted(entry["later"], curve, others),
+            None if entry.get("later") is None else _refitted(entry["later"], like, others),
             np.inf if entry.get("lasted_s") is None else entry["lasted_s"],
             entry.get("counted", 0.0), entry.get("rough", 0.0),
             None if entry.get("end") is None else end_from_json(entry["end"]),
@@ -246,8 +252,8 @@ def from_json(entry: Mapping[str, Any], others: list[str]) -> CorrectedModel:
         ) from problem
 
 
-def _refitted(entry: Mapping[str, Any], curve: Curve, others: list[str]) -> Mechanism:
-    """The mechanism that `_fitted` wrote."""
+def _refitted(entry: Mapping[str, Any], like: Mechanism, others: list[str]) -> Mechanism:
+    """The mechanism that `_fitted` wrote, with the curve and course of another."""
     error = None
     if entry["error"] is not None:
         e = entry["error"]
@@ -255,7 +261,7 @@ def _refitted(entry: Mapping[str, Any], curve: Curve, others: list[str]) -> Mech
         error = SmoothError(e["middle"], e["half_range"], tuple(e["weights"]), beside)
         require(others, [other.command for other in beside])
     pieces = tuple(_piece(t, others) for t in entry["terms"])
-    return Mechanism(curve, pieces, entry["gain"], entry["offset"], error)
+    return replace(like, pieces=pieces, gain=entry["gain"], offset=entry["offset"], error=error)
 
 
 def _piece(entry: Mapping[str, Any], others: list[str]) -> Piece:

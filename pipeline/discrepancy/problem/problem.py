@@ -1,6 +1,6 @@
 """The problem of one measurement: what drove it, what was measured, what may be fitted."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -8,6 +8,7 @@ import numpy as np
 
 from pipeline.config import DiagnosisConfig, HeldoutConfig, ToleranceConfig
 from pipeline.discrepancy.problem.counts import uncounted
+from pipeline.discrepancy.problem.driven import DiagnosisError, driven_by
 from pipeline.discrepancy.problem.fitted import LOOSE_GAIN, tolerance_of_fit
 from pipeline.discrepancy.problem.holes import unsettled_rows
 from pipeline.discrepancy.problem.jumping import between_branches
@@ -17,19 +18,16 @@ from pipeline.discrepancy.problem.rough import unroughened
 from pipeline.discrepancy.problem.rows import Averaged, Picked
 from pipeline.discrepancy.problem.spacing import spacing_of
 from pipeline.discrepancy.problem.stale import NONE_STALE, StaleSamples, hung_samples, stale_samples
-from pipeline.errors import LoopgapError, refusal
+from pipeline.errors import refusal
 from pipeline.physics.differentiation import Derivatives
-from pipeline.physics.force_units import radian_in
-from pipeline.physics.kinematics import Curve, IdentityCurve, sampled_curve, straightened
+from pipeline.physics.kinematics import Curve, straightened
 from pipeline.physics.mechanism import Mechanism, Piece, Trace
-from pipeline.physics.motion import Motion, zero_of
+from pipeline.physics.motion import Motion
 from pipeline.physics.term import Surroundings
 from pipeline.recording import Recording
 
 HELD_OUT_EVERY = 3
-STATIC_ERROR = 2e-3
 FEWEST_SAMPLES = 40
-MIXED = 0.05
 
 
 @dataclass(frozen=True)
@@ -39,10 +37,6 @@ class Delay:
     value: float = 0.0
     low: float = 0.0
     high: float = 0.0
-
-
-class DiagnosisError(LoopgapError):
-    """A recording can't be diagnosed."""
 
 
 @dataclass(frozen=True)
@@ -59,7 +53,8 @@ class Problem:
     another stands in its place: a line in a command where it does not move, the middle of its two
     branches where it jumps with the direction (`jumping.py`). unsettled: how many measured samples
     come after a hole and don't count, see `holes.py`. own: what was taken off measured and
-    simulated, as the simulation does it beside its curve, RMS, see `own_dynamics.py`.
+    simulated, as the simulation does it beside its curve, RMS, see `own_dynamics.py`. course: a lag
+    or play that the simulation has beside its curve, see `course.py`.
     """
 
     motion: Motion
@@ -82,6 +77,7 @@ class Problem:
     replaced: np.ndarray | None = None
     unsettled: int = 0
     own: float = 0.0
+    course: Piece | None = None
 
     @property
     def cycle(self) -> np.ndarray:
@@ -94,7 +90,7 @@ class Problem:
 
     def trace(self, pieces: Sequence[Piece]) -> Trace:
         """What a mechanism of some pieces does over all rows, without calibration."""
-        mechanism = Mechanism(self.curve, pieces)
+        mechanism = Mechanism(self.curve, pieces, course=self.course)
         if self.averaged is not None:
             return self.averaged.trace(mechanism)
         behind = self.behind(pieces)
@@ -107,7 +103,7 @@ class Problem:
     @cached_property
     def nominal(self) -> np.ndarray:
         """What the drive asks for where nothing alters it on its way, (n,)."""
-        return Mechanism(self.curve).trace(self.motion).asked
+        return Mechanism(self.curve, course=self.course).trace(self.motion).asked
 
     def by_row(self, pieces: Sequence[Piece]) -> bool:
         """Whether the rows alone say what pieces do, without samples behind them."""
@@ -115,7 +111,9 @@ class Problem:
 
     def behind(self, pieces: Sequence[Piece]) -> Picked | None:
         """The samples behind the rows that pieces have to answer on, if the rows are too few."""
-        return None if self.picked is None else self.picked.behind(pieces)
+        if self.picked is None:
+            return None
+        return self.picked.behind(pieces if self.course is None else [*pieces, self.course])
 
     def rows(self, wanted: np.ndarray) -> "Problem":
         """The same problem on some of its rows (indices)."""
@@ -144,18 +142,24 @@ def pose_problem(
     known = np.isfinite(measured) & np.isfinite(simulated)
     refuse_unknown(measurement, known)
     refuse_still(measurement, measured[known], simulated[known])
-    motion, curve, drive, static = driven_by(recording, measurement, simulated)
-    unsettled = unsettled_rows(motion.time_s, motion.drive) & known
+    driven = driven_by(recording, measurement, simulated)
+    unsettled = unsettled_rows(driven.motion.time_s, driven.motion.drive) & known
     measured, known = np.where(unsettled, np.nan, measured), known & ~unsettled
-    heldout = held_out_rows(config.heldout, motion, known)
+    heldout = held_out_rows(config.heldout, driven.motion, known)
     train = known & ~heldout
     refuse_unfit(config.heldout, measurement, train, known & heldout)
-    replaced, other = None, in_place(recording, measurement, simulated, measured, train)
+    replaced = other = None
+    if driven.course is None:
+        other = in_place(recording, measurement, simulated, measured, train)
     if other is not None:
         replaced, simulated = simulated, other
-        motion, curve, drive, static = driven_by(recording, measurement, simulated)
+        driven = driven_by(recording, measurement, simulated)
+    motion, curve, drive, static, course = driven
     counted = rough = own = 0.0
-    if static:
+    if course is not None:
+        measured = measured - (simulated - course.reproduced)
+        simulated = np.where(np.isfinite(simulated), course.reproduced, np.nan)
+    elif static:
         beside = beside_curve(motion.drive, curve, simulated, np.where(train, measured, np.nan))
         measured, simulated, own = measured - beside, simulated - beside, float(np.std(beside))
         seen = np.where(train, measured, np.nan)
@@ -172,7 +176,7 @@ def pose_problem(
     return Problem(
         motion, curve, measured, simulated, train, known & heldout, around, tolerance,
         drive, static, counted=counted, rough=rough, stale=stale, replaced=replaced,
-        unsettled=int(unsettled.sum()), own=own,
+        unsettled=int(unsettled.sum()), own=own, course=None if course is None else course.piece,
     )  # fmt: skip
 
 
@@ -264,94 +268,6 @@ def held_out_rows(config: HeldoutConfig, motion: Motion, known: np.ndarray) -> n
         if len(have):
             rows[have[len(have) - max(len(have) // HELD_OUT_EVERY, 1)] :] = True
     return rows
-
-
-def driven_by(
-    recording: Recording, measurement: str, simulated: np.ndarray
-) -> tuple[Motion, Curve, str, bool]:
-    """The motion, the nominal curve, the driving command's name, and whether it is static.
-
-    Where the simulation is a static curve of a command, that command drives and the curve is
-    learnt from the two. Otherwise the simulation's trace drives, and no curve follows; where that
-    trace mixes several commands, each of them is one of the others too.
-    """
-    commands = {c.name: recording.values(c.name) for c in recording.with_role("command")}
-    if not commands:
-        raise DiagnosisError(
-            refusal("recording", "a channel of role 'command'", "none", "Add what was commanded.")
-        )
-    known = np.isfinite(simulated)
-    misfit = {n: static_misfit(u[known], simulated[known]) for n, u in commands.items()}
-    drive = min(commands, key=lambda n: (misfit[n] >= STATIC_ERROR, not _kin(n, measurement),
-                                         misfit[n]))  # fmt: skip
-    static = misfit[drive] < STATIC_ERROR
-    signal: np.ndarray = commands[drive]
-    curve: Curve = IdentityCurve()
-    if static:
-        curve = sampled_curve(signal[known], simulated[known])
-    else:
-        rows = np.arange(len(simulated))
-        signal = np.interp(rows, rows[known], simulated[known])
-    mixed = not static and mixes(commands, drive, simulated)
-    others = {n: u for n, u in commands.items() if n != drive or mixed}
-    unit = recording.channel(measurement).unit
-    motion = Motion(
-        drive=np.ascontiguousarray(signal, dtype=float),
-        time_s=recording.values("time_s"),
-        cycle=recording.values("cycle").astype(np.int64),
-        others=others,
-        radian=radian_in(unit, float(np.ptp(simulated[known])) if known.any() else 0.0),
-        zeros={n: zero_of(u) for n, u in others.items()},
-    )
-    return motion, curve, drive, static
-
-
-def mixes(commands: Mapping[str, np.ndarray], drive: str, simulated: np.ndarray) -> bool:
-    """Whether a simulation moves with other commands about as well as with the driving one.
-
-    It does where a line in all commands leaves less than half of what a line in the driving one
-    leaves, and that is more than MIXED of the simulation's variance.
-    """
-    known = np.isfinite(simulated)
-    moving = {n: u[known] for n, u in commands.items() if np.ptp(u[known]) > 0.0}
-    if len(moving) < 2:
-        return False
-    target = simulated[known] - simulated[known].mean()
-    left = []
-    for names in ([drive], list(moving)):
-        columns = np.column_stack([moving[n] - moving[n].mean() for n in names if n in moving])
-        weights = np.linalg.lstsq(columns, target, rcond=None)[0] if columns.size else []
-        rest = target - columns @ weights if columns.size else target
-        left.append(float(rest @ rest) / max(float(target @ target), 1e-300))
-    return left[0] > MIXED and left[1] < 0.5 * left[0]
-
-
-def _kin(command: str, measurement: str) -> bool:
-    return command.split("_")[0] == measurement.split("_")[0]
-
-
-def static_misfit(command: np.ndarray, simulated: np.ndarray) -> float:
-    """How far a simulation (n,) is from a static curve of a command (n,), over its range [1].
-
-    The larger of two root mean squares: at equal commands, and of each position from the line
-    between its neighbours. Infinite where either stands still.
-    """
-    span = float(np.ptp(simulated)) if len(simulated) else 0.0
-    if len(simulated) < 3 or float(np.ptp(command)) == 0.0:
-        return np.inf
-    if span == 0.0:
-        return np.inf
-    order = np.argsort(command, kind="stable")
-    u, s = command[order], simulated[order]
-    at, place = np.unique(u, return_inverse=True)
-    mean = np.bincount(place, weights=s) / np.bincount(place)
-    repeat = float(np.sqrt(np.mean((s - mean[place]) ** 2)))
-    if len(at) < 5:
-        return repeat / span
-    middle = np.interp(at[1:-1], at[[0, -1]], mean[[0, -1]])
-    left, right = at[1:-1] - at[:-2], at[2:] - at[1:-1]
-    middle = (mean[:-2] * right + mean[2:] * left) / (left + right)
-    return max(repeat, float(np.sqrt(np.mean((mean[1:-1] - middle) ** 2)))) / span
 
 
 def surroundings_of(

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from pipeline.discrepancy.problem.problem import DiagnosisError
+from pipeline.discrepancy.problem.driven import DiagnosisError
 from pipeline.errors import refusal
 from pipeline.number_words import worded
 from pipeline.recording import Recording

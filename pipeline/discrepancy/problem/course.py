@@ -1,0 +1,144 @@
+"""A simulation's own course in time: a curve of a command that comes late, or goes through play."""
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.polynomial import legendre
+from scipy.optimize import minimize
+
+from pipeline.physics.backlash import Backlash
+from pipeline.physics.held import STEP_AND_WAIT_S
+from pipeline.physics.kinematics import SampledCurve
+from pipeline.physics.mechanism import Piece
+from pipeline.physics.motion import Motion
+from pipeline.physics.response_lag import ResponseLag
+from pipeline.physics.second_order_lag import SecondOrderLag
+from pipeline.physics.term import Term
+from pipeline.physics.yielding_play import YieldingPlay
+
+DEGREE, KNOTS = 9, 401
+EXACT, BETTER, PLAINER = 2e-3, 0.1, 2.0
+MOST_ROWS = 20_000
+SIZES, DAMPINGS = 14, (0.4, 0.7, 1.0)
+SHORTEST, LONGEST, NARROWEST, WIDEST = 0.1, 0.05, 1e-3, 0.4
+QUICKLY, HIGHEST, MOST_DAMPED = 0.2, 6.0, 5.0
+FINELY = {"maxiter": 80, "xatol": 1e-4, "fatol": 1e-7}
+
+
+@dataclass(frozen=True)
+class Course:
+    """A simulation that is a static curve of a command, and what that goes through besides.
+
+    piece: a lag behind the curve, or play before it. reproduced: (n,) all of it.
+    """
+
+    command: str
+    curve: SampledCurve
+    piece: Piece
+    reproduced: np.ndarray
+
+
+def course_of(
+    commands: Mapping[str, np.ndarray], time_s: np.ndarray, simulated: np.ndarray
+) -> Course | None:
+    """The course of a simulation (n,), where one makes it of a command (n,) to EXACT of its range.
+
+    It must leave less than a tenth of what a curve alone leaves; of those that leave about as little
+    the plainest counts. The curve is a polynomial, so that a trial is linear least squares.
+    """
+    known = np.flatnonzero(np.isfinite(simulated))[:MOST_ROWS]
+    span = float(np.ptp(simulated[known])) if len(known) else 0.0
+    for name, command in commands.items():
+        if span == 0.0 or np.ptp(command[known]) == 0.0 or known[-1] + 1 < DEGREE * DEGREE:
+            continue
+        trial = Trial(command, time_s, simulated, known)
+        least = min(EXACT * span, BETTER * trial.left(None))
+        found = [(trial.left(piece), piece) for piece in trial.pieces()]
+        best = min(left for left, _ in found)
+        if best < least:
+            return trial.course(name, next(p for left, p in found if left < PLAINER * best))
+    return None
+
+
+@dataclass(frozen=True)
+class Trial:
+    """A command, time [s] and a simulation, (n,) each; known: rows (indices) to compare."""
+
+    command: np.ndarray
+    time_s: np.ndarray
+    simulated: np.ndarray
+    known: np.ndarray
+
+    @property
+    def motion(self) -> Motion:
+        return Motion(self.command, self.time_s, np.zeros(len(self.command), dtype=np.int64), {})
+
+    def way(self, drive: np.ndarray) -> np.ndarray:
+        """Where in the command's range, -1 to 1, a drive is, (n,)."""
+        low, high = self.command.min(), self.command.max()
+        return np.asarray(np.clip(2.0 * (drive - low) / (high - low) - 1.0, -1.0, 1.0))
+
+    def columns(self, piece: Piece | None, rows: slice) -> np.ndarray:
+        """What each polynomial comes to behind a piece, (n, DEGREE + 1)."""
+        drive, motion = self.command[rows], self.motion.rows(np.arange(len(self.command))[rows])
+        if piece is not None and piece.term.before_curve:
+            drive = piece.term.respond(drive, motion, piece.values, None)[0]
+        columns = legendre.legvander(self.way(drive), DEGREE)
+        if piece is None or piece.term.before_curve:
+            return columns
+        late = [piece.term.respond(c, motion, piece.values, None)[0] for c in columns.T]
+        return np.column_stack(late)
+
+    def weights(self, piece: Piece | None) -> tuple[np.ndarray, float]:
+        """Of the polynomials, those that suit the simulation best, and what they leave (RMS)."""
+        columns = self.columns(piece, slice(0, self.known[-1] + 1))[self.known]
+        wanted = self.simulated[self.known]
+        weights = np.linalg.lstsq(columns, wanted, rcond=None)[0]
+        return weights, float(np.sqrt(np.mean((wanted - columns @ weights) ** 2)))
+
+    def left(self, piece: Piece | None) -> float:
+        """What the best curve leaves beside a piece (RMS)."""
+        return self.weights(piece)[1]
+
+    def pieces(self) -> Iterator[Piece]:
+        """The best piece of each kind, the plainest first."""
+        dwell_s = float(np.median(np.diff(self.time_s)))
+        lasted_s = float(self.time_s[-1] - self.time_s[0])
+        lags = np.geomspace(SHORTEST * max(dwell_s, 1e-9), LONGEST * max(lasted_s, 1e-9), SIZES)
+        widths = np.ptp(self.command) * np.geomspace(NARROWEST, WIDEST, SIZES)
+        forms = ["whole"] if dwell_s >= STEP_AND_WAIT_S else ["running", "whole"]
+        for form in forms:
+            yield self.best(ResponseLag(form), lags[:, None], lambda x: x)
+        yield self.best(Backlash(), widths[:, None], lambda x: x)
+        if dwell_s < STEP_AND_WAIT_S:
+            given = np.array([[width, QUICKLY * dwell_s] for width in widths])
+            yield self.best(YieldingPlay(), given, lambda x: x)
+        moving, most = float(dwell_s < STEP_AND_WAIT_S), HIGHEST / max(dwell_s, 1e-9)
+        paces = np.array([[1.0 / lag, damping] for lag in lags for damping in DAMPINGS])
+        yield self.best(
+            SecondOrderLag(), paces,
+            lambda x: np.array([min(x[0], most), min(x[1], MOST_DAMPED), moving]),
+        )  # fmt: skip
+
+    def best(
+        self, term: Term, starts: np.ndarray, told: Callable[[np.ndarray], np.ndarray]
+    ) -> Piece:
+        """A term with the sizes (positive) that leave least: the best start, (k, p), refined."""
+
+        def piece(logs: np.ndarray) -> Piece:
+            return Piece(term, told(np.exp(logs)))
+
+        begun = min(np.log(starts), key=lambda logs: self.left(piece(logs)))
+        found = minimize(lambda logs: self.left(piece(logs)), begun, method="Nelder-Mead",
+                         options=FINELY)  # fmt: skip
+        return piece(found.x)
+
+    def course(self, name: str, piece: Piece) -> Course:
+        """The course with a piece, through all rows."""
+        weights = self.weights(piece)[0]
+        low, high = float(self.command.min()), float(self.command.max())
+        grid = np.linspace(low, high, KNOTS)
+        angle = legendre.legval(self.way(grid), weights)
+        curve = SampledCurve(low, float(grid[1] - grid[0]), angle)
+        return Course(name, curve, piece, self.columns(piece, slice(None)) @ weights)
