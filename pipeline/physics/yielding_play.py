@@ -7,25 +7,46 @@ from pipeline.physics.held import STEP_AND_WAIT_S, dwells
 from pipeline.physics.motion import Motion
 from pipeline.physics.term import Parameter, Surroundings, Term
 
-PARTS, SLOWEST = 4, 0.5
+SLOWEST = 0.5
 SHARES = (0.1, 0.25)
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def yielded(drive, dwell, half_width, settling, before, at):  # type: ignore[no-untyped-def]
-    """Where the load is, (n,), of a drive that runs straight between samples, in PARTS parts.
+    """Where the load is, (n,), of a drive that runs straight between samples; exact.
 
-    before, at: where the drive and the load were ahead of the first sample.
+    A flank that pushes is pressed in by b, b' = v - b / settling at the speed v of the drive
+    against it, until that is 0; then the drive crosses the gap. before, at: where the drive and the
+    load were ahead of the first sample.
     """
     out = np.empty(drive.size)
     for i in range(drive.size):
-        left = np.exp(-dwell[i] / (PARTS * settling)) if settling > 0.0 else 0.0
-        for k in range(PARTS):
-            ahead = before + (drive[i] - before) * (k + 1) / PARTS - at
-            if ahead > half_width:
-                at += (1.0 - left) * (ahead - half_width)
-            elif ahead < -half_width:
-                at += (1.0 - left) * (ahead + half_width)
+        left, asked = dwell[i], before
+        speed = (drive[i] - before) / left if left > 0.0 else 0.0
+        way = 1.0 if asked > at else -1.0
+        pressed = way * (asked - at) - half_width
+        if pressed < 0.0:
+            way = 0.0
+        while left > 0.0:
+            if way == 0.0:
+                if speed == 0.0:
+                    break
+                way = 1.0 if speed > 0.0 else -1.0
+                spent = min(max(half_width - way * (asked - at), 0.0) / abs(speed), left)
+                pressed = 0.0
+            else:
+                spent, trail = left, way * speed * settling
+                leaves = way * speed < 0.0
+                if leaves:
+                    lasts = settling * np.log1p(pressed / -trail) if settling > 0.0 else 0.0
+                    leaves = lasts < left
+                    spent = min(lasts, left)
+                fade = np.exp(-spent / settling) if settling > 0.0 else 0.0
+                pressed = 0.0 if leaves else trail + (pressed - trail) * fade
+                at = asked + speed * spent - way * (half_width + pressed)
+                way = 0.0 if leaves else way
+            asked += speed * spent
+            left -= spent
         before = drive[i]
         out[i] = at
     return out

@@ -15,8 +15,8 @@ from pipeline.discrepancy.model.intervals import covariance_of, estimates, wide_
 from pipeline.discrepancy.noise.family import noise_family
 from pipeline.discrepancy.noise.learning import learn_noise
 from pipeline.discrepancy.noise.noise import NoiseModel
-from pipeline.discrepancy.problem.outliers import alike, isolated, returning
 from pipeline.discrepancy.problem.driven import static_misfit
+from pipeline.discrepancy.problem.outliers import alike, isolated, returning
 from pipeline.discrepancy.problem.problem import pose_problem
 from pipeline.discrepancy.problem.thinning import sparser, thinned
 from pipeline.discrepancy.search.explain import explain

@@ -207,3 +207,16 @@ def test_noise_with_heavy_tails_is_no_mistaken_marker(monkeypatch: pytest.Monkey
     assert names(diagnosed(heavy)) == {"backlash"}
     monkeypatch.setattr(mistaken, "of_heavy_tails", lambda *_: False)
     assert names(diagnosed(heavy)) == {"backlash", "marker_outliers"}
+
+
+@pytest.mark.parametrize("freedom", [4.0, 8.0])
+def test_tails_are_told_from_what_is_left_of_them(freedom: float) -> None:
+    values = np.random.default_rng(3).standard_t(freedom, 4000)
+    found, scale = mistaken.tails_of(values[np.abs(values) < 5.0], 5.0)
+    assert found == pytest.approx(freedom, rel=0.3)
+    assert scale == pytest.approx(1.0, abs=0.1)
+
+
+def test_a_gaussian_that_is_cut_off_has_no_heavy_tails() -> None:
+    values = np.random.default_rng(4).standard_normal(4000)
+    assert mistaken.tails_of(values[np.abs(values) < 3.0], 3.0) == (np.inf, 1.0)

@@ -18,7 +18,7 @@ from pipeline.physics.term import Term
 from pipeline.physics.yielding_play import YieldingPlay
 
 DEGREE, KNOTS = 9, 401
-EXACT, BETTER, PLAINER = 2e-3, 0.1, 2.0
+EXACT, BETTER, PLAINER, ALIKE = 2e-3, 0.1, 2.0, 2e-4
 MOST_ROWS = 20_000
 SIZES, DAMPINGS = 14, (0.4, 0.7, 1.0)
 SHORTEST, LONGEST, NARROWEST, WIDEST = 0.1, 0.05, 1e-3, 0.4
@@ -44,8 +44,8 @@ def course_of(
 ) -> Course | None:
     """The course of a simulation (n,), where one makes it of a command (n,) to EXACT of its range.
 
-    It must leave less than a tenth of what a curve alone leaves; of those that leave about as little
-    the plainest counts. The curve is a polynomial, so that a trial is linear least squares.
+    It must leave less than a tenth of what a curve alone leaves; of those that leave about as
+    little the plainest counts. The curve is a polynomial: a trial is linear least squares.
     """
     known = np.flatnonzero(np.isfinite(simulated))[:MOST_ROWS]
     span = float(np.ptp(simulated[known])) if len(known) else 0.0
@@ -57,7 +57,8 @@ def course_of(
         found = [(trial.left(piece), piece) for piece in trial.pieces()]
         best = min(left for left, _ in found)
         if best < least:
-            return trial.course(name, next(p for left, p in found if left < PLAINER * best))
+            enough = max(PLAINER * best, ALIKE * span)
+            return trial.course(name, next(p for left, p in found if left <= enough))
     return None
 
 

@@ -1,0 +1,112 @@
+"""A simulation that comes late or goes through play by itself: what is named acts inside of it."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.signal import lfilter
+
+from pipeline.discrepancy.model.model import as_json, from_json
+from pipeline.discrepancy.problem.course import Course, course_of
+from pipeline.physics.play_operator import play
+from pipeline.recording import Recording
+from tests.discrepancy.made import ANGLE, SIMULATED, changed, diagnosed, followed, names, value_of
+
+PACE_HZ, STEP_S, NOISE, ROWS = 0.25, 0.02, 0.05, 2400
+LATE_S, WIDTH = 0.12, 1.5
+
+
+def commanded(time_s: np.ndarray) -> np.ndarray:
+    turn = 2.0 * np.pi * PACE_HZ * time_s
+    return np.asarray(20.0 * np.sin(turn) + 5.0 * np.sin(3.0 * turn + 0.4))
+
+
+def curved(drive: np.ndarray) -> np.ndarray:
+    return np.asarray(drive - 2e-4 * drive**3)
+
+
+def late(values: np.ndarray, late_s: float = LATE_S) -> np.ndarray:
+    """The bilinear filter of first order, at rest before."""
+    k = 2.0 * late_s / STEP_S
+    at_rest = [values[0] * (1.0 - 1.0 / (1.0 + k))]
+    return np.asarray(lfilter([1 / (1 + k), 1 / (1 + k)], [1.0, (1 - k) / (1 + k)], values,
+                              zi=at_rest)[0])  # fmt: skip
+
+
+TIME_S = np.arange(ROWS) * STEP_S
+DRIVE = commanded(TIME_S)
+
+
+def course(simulated: np.ndarray) -> Course | None:
+    return course_of({"other": np.cos(TIME_S), "motor": DRIVE}, TIME_S, simulated)
+
+
+def test_a_curve_that_comes_late_is_found_with_how_late():
+    found = course(late(curved(DRIVE)))
+    assert found is not None
+    assert found.command == "motor"
+    assert (found.piece.term.name, found.piece.term.form) == ("response_lag", "running")
+    assert found.piece.values[0] == pytest.approx(LATE_S, rel=0.02)
+    np.testing.assert_allclose(found.reproduced[100:], late(curved(DRIVE))[100:], atol=0.05)
+    np.testing.assert_allclose(found.curve(DRIVE), curved(DRIVE), atol=0.05)
+
+
+def test_a_curve_behind_play_is_found_with_how_wide():
+    found = course(curved(play(DRIVE, 0.5 * WIDTH, DRIVE[0])))
+    assert found is not None
+    assert (found.piece.term.name, found.piece.term.form) == ("backlash", "")
+    assert found.piece.values[0] == pytest.approx(WIDTH, rel=0.01)
+
+
+@pytest.mark.parametrize(
+    "simulated",
+    [
+        curved(DRIVE),
+        DRIVE + 3.0 * np.cos(TIME_S),
+        late(DRIVE) + 0.3 * np.random.default_rng(0).standard_normal(ROWS),
+        np.full(ROWS, np.nan),
+        np.ones(ROWS),
+    ],
+    ids=["static", "two commands", "noisy", "empty", "still"],
+)
+def test_there_is_none_of_another(simulated):
+    assert course(simulated) is None
+
+
+def real(simulated: np.ndarray, clean: np.ndarray, repeated: int = 1) -> Recording:
+    seen = 1.01 * clean + 0.3 + NOISE * np.random.default_rng(2).standard_normal(len(clean))
+    time_s = np.arange(len(clean)) * STEP_S / repeated
+    recording = followed(time_s, commanded(time_s), seen, PACE_HZ)
+    return changed(recording, **{SIMULATED: simulated})
+
+
+@pytest.fixture(scope="module")
+def geared():
+    """Play before a joint that is late, which the simulation knows; it knows of no play."""
+    behind = late(curved(play(DRIVE, 0.5 * WIDTH, DRIVE[0])))
+    recording = real(late(curved(DRIVE)), behind)
+    return recording, diagnosed(recording)
+
+
+def test_what_is_missing_before_the_simulations_lag_is_put_there(geared):
+    _, found = geared
+    assert names(found) == {"backlash"}
+    assert value_of(found, "backlash", "width").value == pytest.approx(WIDTH, rel=0.05)
+    assert found.diagnoses[0].after.heldout_rmse < 1.1 * NOISE
+    assert any("The simulation itself has" in note for note in found.diagnoses[0].notes)
+
+
+def test_its_stored_model_answers_with_the_simulations_lag(geared):
+    recording, found = geared
+    (model,), (evidence,) = found.models, found.evidence
+    stored = from_json(as_json(model), ["yaw_command_deg"])
+    np.testing.assert_array_equal(stored.predict(evidence.motion)[0], evidence.after)
+    error = recording.values(ANGLE) - evidence.after
+    without = replace(stored, mechanism=replace(stored.mechanism, course=None), later=None)
+    assert np.std(error) < 1.1 * NOISE
+    assert np.std(recording.values(ANGLE) - without.predict(evidence.motion)[0]) > 5.0 * NOISE
+
+
+def test_a_lag_that_the_simulation_has_is_no_mismatch():
+    found = diagnosed(real(late(curved(DRIVE)), late(curved(DRIVE))))
+    assert found.diagnoses[0].verdict == "no_mismatch"
