@@ -20,6 +20,7 @@ from pipeline.discrepancy.judgement.verdict import (
     follows,
     sure_of_slow,
     told_but_for_its_form,
+    unless_nothing,
 )
 from pipeline.discrepancy.judgement.walking_zero import walks_far
 from pipeline.discrepancy.problem.problem import Problem
@@ -37,7 +38,7 @@ from pipeline.discrepancy.search.weighing import Choice
 def decided(problem: Problem, explanation: Explanation) -> tuple[Choice, Structure, bool]:
     """What stays of the best choice, the structured rest, and whether the accuracy decided."""
     best = sure_of_slow(explanation, undisguised(explanation.choices))
-    best = one_for_many(explanation, best)
+    best = unless_nothing(explanation, one_for_many(explanation, best))
     structure = structure_of(explanation, best)
     base = next(c for c in explanation.choices if not c.fit.pieces)
     if within_accuracy(base, explanation.used):

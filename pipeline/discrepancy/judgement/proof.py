@@ -14,7 +14,7 @@ from pipeline.discrepancy.judgement.structure import (
     mismatch_variance,
     rounded,
 )
-from pipeline.discrepancy.judgement.walking_zero import witnessed
+from pipeline.discrepancy.judgement.walking_zero import walks_far
 from pipeline.discrepancy.model.intervals import undated
 from pipeline.discrepancy.model.result import root_mean
 from pipeline.discrepancy.noise.noise import SLOW_CORRELATION, NoiseModel
@@ -79,7 +79,7 @@ def counted_errors(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Errors (n,) of a prediction (n,), and the rows (n,) that count.
 
-    Each cycle's zero is taken off where these differ or the zero walks, and so is a slip more where
+    Each cycle's zero is taken off where these differ or it walks far, and so is a slip more where
     slips are named.
     """
     again = slipped_again(problem, choice, predicted)
@@ -87,7 +87,7 @@ def counted_errors(
     off = problem.measured - predicted
     lone = set_aside(problem, predicted, explanation.prior)
     counted = ~lone & ~undated(choice.fit, problem.motion.time_s)
-    if wanders_by_cycle(choice) or witnessed(explanation, choice):
+    if wanders_by_cycle(choice) or walks_far(explanation, choice):
         off = about_each_zero(off, problem.cycle, counted & np.isfinite(off))
     return off, counted
 

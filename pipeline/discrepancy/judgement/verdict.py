@@ -70,6 +70,16 @@ def sure_of_slow(explanation: Explanation, best: Choice) -> Choice:
     return told if told.score < best.score + within else best
 
 
+def unless_nothing(explanation: Explanation, best: Choice) -> Choice:
+    """The best choice, or none of its names where these are hardly likelier than no mismatch.
+
+    A recording that holds nothing is searched with hundreds of forms: the odds for the best of them
+    must be ODDS to 1 beyond what each is charged.
+    """
+    base = next(c for c in explanation.choices if not c.fit.pieces)
+    return base if base.score < best.score + 2.0 * np.log(ODDS) else best
+
+
 def unless_it_wanders(explanation: Explanation, best: Choice) -> Choice:
     """The best choice, or one of fewer names beside a zero that wanders, unless ODDS are against.
 
