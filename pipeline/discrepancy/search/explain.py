@@ -32,7 +32,12 @@ from pipeline.discrepancy.search.odd import oddly
 from pipeline.discrepancy.search.plain_forms import begun_plainly
 from pipeline.discrepancy.search.polish import polished
 from pipeline.discrepancy.search.pressed import pressed
-from pipeline.discrepancy.search.refuted import not_noise, refuted
+from pipeline.discrepancy.search.refuted import (
+    hopeless,
+    not_noise,
+    refuted,
+    worth_a_polish,
+)
 from pipeline.discrepancy.search.second_order import swinging
 from pipeline.discrepancy.search.sprung import sprung
 from pipeline.discrepancy.search.weighing import (
@@ -167,7 +172,8 @@ def grown_last(search: Search, choices: list[Choice]) -> list[Choice]:
     richer = grown(search, choices[0])
     if richer.score > choices[0].score - LEAST_GAIN:
         return choices
-    return polished(search, best_of_each([richer, *choices]))
+    more = best_of_each([richer, *choices])
+    return polished(search, more) if worth_a_polish(search, richer, choices[0]) else more
 
 
 def searched_wide(search: Search, begun: list[Choice], found: list[Choice]) -> list[Choice]:
@@ -175,9 +181,10 @@ def searched_wide(search: Search, begun: list[Choice], found: list[Choice]) -> l
 
     As many names as a search takes may mop up what others explain: what gains most at first is then
     not on the way to what explains most. begun: the choices that those found were polished from;
-    from a best that is no better, a polish would come to no better.
+    from a best that is no better, a polish would come to no better. No search leads out of what is
+    hopeless.
     """
-    if not piled(found[0]):
+    if not piled(found[0]) or hopeless(search, found[0]):
         return found
     wide = replace(search, wide=True)
     again = choose(wide, found[0].fit.ground)

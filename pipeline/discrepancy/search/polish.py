@@ -21,6 +21,7 @@ from pipeline.discrepancy.search.one_late import one_late
 from pipeline.discrepancy.search.played import played
 from pipeline.discrepancy.search.queued import queued
 from pipeline.discrepancy.search.redrawn import redrawn
+from pipeline.discrepancy.search.refuted import mops_up
 from pipeline.discrepancy.search.rubbed import rubbed
 from pipeline.discrepancy.search.stepped import stepped
 from pipeline.discrepancy.search.weighing import MOST_TERMS, SAME, Choice, Search, best_of_each
@@ -61,6 +62,7 @@ def _polished(search: Search, choices: list[Choice]) -> list[Choice]:
     tried: Tried = {}
     for _ in range(ROUNDS):
         best = min(found.values(), key=lambda c: c.score)
+        begun = best.score
         richest = search.whitened(exchanged(search, merged(search, grown(search, best))))
         if richest is not best:
             found[richest.fit.key] = best = richest
@@ -73,6 +75,9 @@ def _polished(search: Search, choices: list[Choice]) -> list[Choice]:
                 found[more.fit.key] = more
             if more.score > best.score - SAME:
                 break
+        now = min(found.values(), key=lambda c: c.score)
+        if mops_up(search, now, begun - now.score):
+            break
     else:
         fewest = thinned(search, min(found.values(), key=lambda c: c.score))
         found[fewest.fit.key] = fewest

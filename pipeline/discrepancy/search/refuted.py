@@ -10,6 +10,7 @@ SURELY = 3.0
 FEWEST_AGAIN = 2
 COMMON = 1e-5
 HALF = 0.5
+HOPELESS, SLOWLY = 200.0, 0.1
 
 
 def refuted(search: Search, choice: Choice) -> bool:
@@ -41,6 +42,19 @@ def worth_a_polish(search: Search, choice: Choice, before: Choice) -> bool:
     if not not_noise(search, before):
         return True
     return spoken_against(search, choice) < HALF * spoken_against(search, before)
+
+
+def hopeless(search: Search, choice: Choice) -> bool:
+    """Whether repeats speak against a choice as they do only against what no name explains."""
+    return spoken_against(search, choice) > HOPELESS
+
+
+def mops_up(search: Search, choice: Choice, gained: float) -> bool:
+    """Whether a choice is hopeless, and what it just gained leads nowhere.
+
+    At that pace it would take many times as many rounds to come to what may be noise as there are.
+    """
+    return hopeless(search, choice) and gained < SLOWLY * spoken_against(search, choice)
 
 
 def spoken_against(search: Search, choice: Choice) -> float:
