@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from pipeline.discrepancy.problem.late import late_frames
+from pipeline.discrepancy.problem.late import EVIDENCE, OVERWHELMING, late_frames, poses_learnt
 from tests.discrepancy.made import (
     ANGLE,
     NOISE,
@@ -110,3 +110,16 @@ def test_a_diagnosis_names_frames_that_are_late_now_and_then() -> None:
     assert names(result) == {"frame_lag"}
     assert value_of(result, "frame_lag", "lag").value == pytest.approx(2.0, abs=0.1)
     assert result.diagnoses[0].after.heldout_rmse < 1.15 * NOISE
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_mistaken_markers_are_no_evidence_of_late_frames(seed: int) -> None:
+    """They are off to either side by as much as some poses are; late ones to one side."""
+    rng = np.random.default_rng(seed)
+    hit = rng.random(N) < 0.03
+    off = hit * rng.choice([-1.0, 1.0], N) * rng.uniform(2.0, 7.0, N)
+    noisy = POSE + off + rng.standard_normal(N)
+    assert poses_learnt(noisy, POSE, EVERY, 1e-9).likelier() < EVIDENCE
+    by = (rng.random(N) < 0.3).astype(int)
+    late = measured(behind(by))
+    assert poses_learnt(late, POSE, EVERY, 1e-9).likelier() > OVERWHELMING
