@@ -1,5 +1,7 @@
 """Contact of a force against motion: a second spring that is met at a position."""
 
+from typing import ClassVar
+
 import numpy as np
 
 from pipeline.number_words import worded
@@ -8,21 +10,24 @@ from pipeline.physics.force_term import ForceTerm, per
 from pipeline.physics.motion import Kinetics, Motion
 from pipeline.physics.term import Parameter, Surroundings
 
-BUFFER = "buffer"
+BUFFER, ROUND = "buffer", "round buffer"
 SHARES = (0.02, 0.06, 0.12, 0.2, 0.3, 0.45)
 STEEPEST = 50.0
-SKIN = 0.01
+SKIN, DEEP, HERTZ, MOST_ROUND = 0.01, 0.1, 0.5, 1.5
 
 
 class ForceContact(ForceTerm):
-    """F = side * stiffness * skin * log(1 + exp(side * (x - position) / skin)).
+    """F = side * stiffness * z, z = skin * log(1 + exp(side * (x - position) / skin)).
 
     A spring that pushes only beyond a position: a buffer, a bump stop. Forms "upper buffer" and
-    "lower buffer" are its sides. Source: unilateral spring.
+    "lower buffer" are its sides. A "round buffer" gets stiffer the deeper it is pressed in, as
+    rubber and round bodies are: F = side * stiffness * z * (z / deep)^roundness, its stiffness
+    being that of the chord at `deep`. Sources: unilateral spring; Hertz (1882), a roundness of 0.5.
     """
 
     name = "contact"
     unlikely = 2.0
+    grows: ClassVar = {f"{side} {BUFFER}": (f"{side} {ROUND}",) for side in SIDES}
     says = "Beyond {position} on one side it touches a spring of {stiffness} more."
 
     def __init__(self, form: str = f"{SIDES[0]} {BUFFER}") -> None:
@@ -37,24 +42,35 @@ class ForceContact(ForceTerm):
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
         span, unit = max(around.drive_span, 1e-12), around.drive_unit
         low, usual = around.drive_low, around.angle_span / span
-        return (
+        own = (
             Parameter("stiffness", per(around, 0), 0.0, STEEPEST * usual, usual, usual),
             Parameter("position", unit, low, low + span, low + (0.5 + 0.3 * self.side) * span, 0.0),
             Parameter("skin", unit, 1e-3 * span, 0.06 * span, SKIN * span, SKIN * span),
+        )
+        if not self.form.endswith(ROUND):
+            return own
+        deep = DEEP * span
+        return (
+            *own,
+            Parameter("roundness", "", 0.0, MOST_ROUND, HERTZ, 0.0),
+            Parameter("deep", unit, deep, deep, deep, 0.0, weak=True),
         )
 
     def force(
         self, motion: Motion, kinetics: Kinetics, values: np.ndarray, state: np.ndarray | None
     ) -> tuple[np.ndarray, np.ndarray | None]:
-        stiffness, position, skin = values
-        depth = np.logaddexp(0.0, self.side * (motion.drive - position) / skin)
-        return self.side * stiffness * skin * depth, state
+        stiffness, position, skin, *more = values
+        depth = skin * np.logaddexp(0.0, self.side * (motion.drive - position) / skin)
+        if more:
+            roundness, deep = more
+            depth = depth * (depth / deep) ** roundness
+        return self.side * stiffness * depth, state
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
-        own = [p.start for p in self.parameters(around)]
+        stiffness, _, *own = (p.start for p in self.parameters(around))
         end = around.drive_low + (0.5 + 0.5 * self.side) * around.drive_span
         places = [end - self.side * share * around.drive_span for share in SHARES]
-        return np.array([[own[0], place, own[2]] for place in places])
+        return np.array([[stiffness, place, *own] for place in places])
 
     def sentence(self, values: np.ndarray, around: Surroundings) -> str:
         """The position with its sign: it has a side."""

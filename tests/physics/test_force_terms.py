@@ -394,3 +394,18 @@ def test_what_hangs_on_a_pin_goes_on_from_block_to_block(form: str, size: int):
         parts.append(force)
     np.testing.assert_allclose(np.concatenate(parts), whole, atol=1e-12)
     assert np.ptp(whole - resists) > 20.0
+
+
+def test_a_round_buffer_is_the_law_of_hertz_where_it_is_pressed():
+    """F = k deep (z / deep)^1.5 beyond the position, where its skin is thin."""
+    position, deep, stiffness = 10.0, 6.0, 2.0
+    drive = np.linspace(0.0, 30.0, 200)
+    zero = np.zeros_like(drive)
+    kinetics = Kinetics(zero, zero, zero, np.zeros(0, dtype=int))
+    motion = Motion(drive, np.arange(200.0), np.zeros(200, dtype=int), kinetics=kinetics)
+    values = np.array([stiffness, position, 1e-3, 0.5, deep])
+    for name, side in (("upper", 1.0), ("lower", -1.0)):
+        force = term("contact", f"{name} round buffer").respond(zero, motion, values, None)[0]
+        depth = np.maximum(side * (drive - position), 0.0)
+        expected = side * stiffness * deep * (depth / deep) ** 1.5
+        np.testing.assert_allclose(force, expected, atol=0.01)
