@@ -9,6 +9,7 @@ from pipeline.discrepancy.fitting.fit import evaluate, improve
 from pipeline.discrepancy.fitting.ground import ground_of
 from pipeline.discrepancy.noise.noise import NoiseModel
 from pipeline.discrepancy.problem.outliers import at_commands, returning
+from pipeline.discrepancy.search import polish
 from pipeline.discrepancy.search.choose import allowed, choose
 from pipeline.discrepancy.search.contested import contested, levelled, rival_names
 from pipeline.discrepancy.search.disguise import as_itself, plain_fit, undisguised, with_plain
@@ -21,7 +22,13 @@ from pipeline.discrepancy.search.explain import (
 )
 from pipeline.discrepancy.search.growth import simpler
 from pipeline.discrepancy.search.moves import merged
-from pipeline.discrepancy.search.refuted import not_noise, worth_a_polish
+from pipeline.discrepancy.search.refuted import (
+    hopeless,
+    mops_up,
+    not_noise,
+    spoken_against,
+    worth_a_polish,
+)
 from pipeline.discrepancy.search.weighing import Choice
 from pipeline.physics.catalogue import term
 from pipeline.physics.mechanism import Piece
@@ -88,6 +95,43 @@ def test_a_pile_of_names_is_searched_again_without_shortcuts(monkeypatch):
     assert {c.fit.key for c in begun} <= {
         c.fit.key for c in searched_wide(found.search, begun, four)
     }
+
+
+@pytest.fixture
+def lost():
+    """A search, what explains nothing, the best, and how much repeats hold against nothing."""
+    found = explained(recorded({"backlash": {"width": 20.0}}, seed=3))
+    empty = next(c for c in found.choices if not c.fit.pieces)
+    return found.search, empty, found.choices[0], spoken_against(found.search, empty)
+
+
+def test_what_gains_little_of_what_repeats_hold_against_it_mops_up(lost):
+    search, empty, best, against = lost
+    assert hopeless(search, empty)
+    assert mops_up(search, empty, 0.05 * against)
+    assert not mops_up(search, empty, 0.2 * against)
+    assert not hopeless(search, best)
+    assert not mops_up(search, best, 0.0)
+
+
+def test_a_polish_that_mops_up_ends_after_a_round(lost, monkeypatch: pytest.MonkeyPatch):
+    search, empty, _, _ = lost
+    rounds = []
+    monkeypatch.setattr(polish, "swap", lambda *_: rounds.append(1))
+    monkeypatch.setattr(polish, "MOVES", (lambda _, c: replace(c, score=c.score - 2.0),))
+    monkeypatch.setattr(polish, "furthered", lambda *_: [])
+    polish.polished(search, [empty])
+    assert len(rounds) == 1
+    monkeypatch.setattr(polish, "mops_up", lambda *_: False)
+    polish.polished(search, [empty])
+    assert len(rounds) > 2
+
+
+def test_a_search_without_shortcuts_is_not_begun_from_what_is_hopeless(lost, monkeypatch):
+    search, empty, _, _ = lost
+    monkeypatch.setattr("pipeline.discrepancy.search.explain.piled", lambda _: True)
+    monkeypatch.setattr("pipeline.discrepancy.search.explain.choose", pytest.fail)
+    assert searched_wide(search, [empty], [empty]) == [empty]
 
 
 def test_a_rival_that_lacks_a_name_is_looked_for_from_the_beginning():

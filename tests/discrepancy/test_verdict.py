@@ -7,7 +7,11 @@ import pytest
 
 from pipeline.discrepancy.fitting.fit import evaluate
 from pipeline.discrepancy.judgement.structure import Structure
-from pipeline.discrepancy.judgement.verdict import sure_of_slow, told_but_for_its_form
+from pipeline.discrepancy.judgement.verdict import (
+    sure_of_slow,
+    told_but_for_its_form,
+    unless_nothing,
+)
 from pipeline.discrepancy.noise.family import Place
 from pipeline.discrepancy.search.explain import Explanation
 from pipeline.discrepancy.search.weighing import Choice, names
@@ -54,6 +58,17 @@ def test_beside_other_names_a_restless_zero_is_told_as_the_drift_that_fits_as_we
 ) -> None:
     jitters = ((PLAY, DRIFT), JITTERS, behind)
     assert ("drift" in chosen(found, ((PLAY,), place, 0.0), jitters)) == named
+
+
+@pytest.mark.parametrize(("better", "named"), [(3.0, set()), (4.0, set()), (5.0, {"backlash"})])
+def test_a_name_alone_is_told_at_odds_of_ten_to_one_against_none(
+    calm: Explanation, better: float, named: set[str]
+) -> None:
+    ground = calm.choices[0].fit.ground
+    best = Choice(evaluate(ground, (PLAY,)), STILL, -better)
+    base = Choice(evaluate(ground, ()), STILL, 0.0)
+    told = unless_nothing(replace(calm, choices=[best, base]), best)
+    assert names(told) == named
 
 
 @pytest.mark.parametrize(
