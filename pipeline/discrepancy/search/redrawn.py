@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from pipeline.discrepancy.fitting.fit import ITERATIONS, Fit, evaluate, improve
+from pipeline.discrepancy.noise.family import Place
 from pipeline.discrepancy.search.choose import extended
 from pipeline.discrepancy.search.growth import grown
 from pipeline.discrepancy.search.moves import curves, trials_with
@@ -31,7 +32,7 @@ def redrawn(search: Search, choice: Choice) -> Choice:
         return choice
     terms = tuple(t for t in search.terms if curves(t))
     rest = improve(evaluate(fit.ground, fit.without(*curved)))
-    pairs = [p for one in each_with(search, rest, terms) for p in each_with(search, one, terms)]
+    pairs = pairs_with(search, rest, terms, choice.place)
     best: dict[frozenset[tuple[str, float]], Fit] = {}
     for pair in sorted(pairs, key=lambda t: search.hoped(t, choice.place)):
         best.setdefault(frozenset((p.term.name, p.term.side) for p in pair.pieces), pair)
@@ -47,6 +48,17 @@ def redrawn(search: Search, choice: Choice) -> Choice:
     found = min([choice, *drawn], key=lambda c: c.score)
     search.vain[key] = choice.score, 0.0
     return found
+
+
+def pairs_with(search: Search, fit: Fit, terms: Sequence[Term], place: Place) -> list[Fit]:
+    """The fit with each pair of some terms, begun from the one of them that is better alone."""
+    ones = sorted(each_with(search, fit, terms), key=lambda t: search.hoped(t, place))
+    left, pairs = list(terms), []
+    for one in ones:
+        pairs += each_with(search, one, left)
+        begun = one.pieces[-1].term
+        left = [t for t in left if (t.name, t.side) != (begun.name, begun.side)]
+    return pairs
 
 
 def each_with(search: Search, fit: Fit, terms: Sequence[Term]) -> list[Fit]:
