@@ -43,8 +43,8 @@ def redrawn(search: Search, choice: Choice) -> Choice:
     own = replace(search, terms=terms, wide=True, vain={})
     near = [c for c in sorted(begun, key=lambda c: c.score) if c.score < choice.score + FAR]
     more = [third for pair in near[:FURTHER] for third in extended(own, pair, 3)]
-    other = [c for c in (*begun, *more) if c.fit.key != fit.key]
-    drawn = [grown(search, c) for c in other if c.score < choice.score + HOPED]
+    other = [c for c in (*begun, *more) if c.fit.key != fit.key and c.score < choice.score + HOPED]
+    drawn = [grown(search, c) for c in sorted(other, key=lambda c: c.score)[:FURTHER]]
     found = min([choice, *drawn], key=lambda c: c.score)
     search.vain[key] = choice.score, 0.0
     return found
