@@ -77,13 +77,22 @@ def zero_of_each_cycle(problem: Problem, choice: Choice, evidence: Evidence) -> 
     size, low, high = deviation_of(means)
     slipped = stepped(means)
     unit = problem.around.angle_unit
+    told = Estimate("deviation", size, low, high, unit)
+    says = SAYS.format(size=worded(size), unit=unit) + (OR_SLIPPED if slipped else "")
+    return told_as_drift(evidence, told, says, (LostSteps.name,) if slipped else ())
+
+
+def told_as_drift(
+    evidence: Evidence, size: Estimate, says: str, alternatives: tuple[str, ...] = ()
+) -> NamedPhysics:
+    """The drift of a zero that no course foretells: the corrected simulation has none of it."""
     off, counted = evidence.measured - evidence.after, evidence.heldout & evidence.used
     return NamedPhysics(
         name=Drift.name,
         site=Drift.site,
         probability=SURELY,
-        parameters=(Estimate("deviation", size, low, high, unit),),
+        parameters=(size,),
         heldout_rmse_without=float(np.sqrt(np.mean(off[counted] ** 2))),
-        alternatives=(LostSteps.name,) if slipped else (),
-        says=SAYS.format(size=worded(size), unit=unit) + (OR_SLIPPED if slipped else ""),
+        alternatives=alternatives,
+        says=says,
     )

@@ -2,13 +2,12 @@
 
 import numpy as np
 
-from pipeline.discrepancy.judgement.cycle_zero import SURELY
+from pipeline.discrepancy.judgement.cycle_zero import told_as_drift
 from pipeline.discrepancy.model.result import Estimate, Evidence, NamedPhysics
 from pipeline.discrepancy.search.explain import Explanation
 from pipeline.discrepancy.search.refuted import refuted
 from pipeline.discrepancy.search.weighing import FAR_WALK, Choice
 from pipeline.number_words import worded
-from pipeline.physics.drift import Drift
 
 SAYS = "The zero walks by about {size} {unit} in a cycle: no command foretells it."
 BESIDE_NAMES = 9.0
@@ -51,13 +50,5 @@ def zero_that_walks(
     spread = KNOWN_TO / np.sqrt(2.0 * len(np.unique(choice.fit.ground.problem.cycle)))
     low, high = size * max(1.0 - spread, 0.0), size * (1.0 + spread)
     unit = explanation.problem.around.angle_unit
-    off, counted = evidence.measured - evidence.after, evidence.heldout & evidence.used
-    return NamedPhysics(
-        name=Drift.name,
-        site=Drift.site,
-        probability=SURELY,
-        parameters=(Estimate("walk_in_a_cycle", size, low, high, unit),),
-        heldout_rmse_without=float(np.sqrt(np.mean(off[counted] ** 2))),
-        alternatives=(),
-        says=SAYS.format(size=worded(size), unit=unit),
-    )
+    told = Estimate("walk_in_a_cycle", size, low, high, unit)
+    return told_as_drift(evidence, told, SAYS.format(size=worded(size), unit=unit))

@@ -51,7 +51,8 @@ def driven_by(recording: Recording, measurement: str, simulated: np.ndarray) -> 
     drive = min(commands, key=lambda n: (misfit[n] >= STATIC_ERROR, not _kin(n, measurement),
                                          misfit[n]))  # fmt: skip
     static = misfit[drive] < STATIC_ERROR
-    course = None if static else course_of(commands, recording.values("time_s"), simulated)
+    own_first = {n: commands[n] for n in sorted(commands, key=lambda n: not _kin(n, measurement))}
+    course = None if static else course_of(own_first, recording.values("time_s"), simulated)
     if course is not None:
         drive, static = course.command, True
     signal: np.ndarray = commands[drive]
