@@ -3,14 +3,18 @@
 import numpy as np
 import pytest
 
-from pipeline.discrepancy.judgement.cycle_zero import stepped
+from pipeline.discrepancy.fitting.ground import ground_of
+from pipeline.discrepancy.judgement.cycle_zero import stepped, wanders_by_cycle
+from pipeline.discrepancy.noise.noise import NoiseModel
 from tests.discrepancy.made import (
     ANGLE,
     NOISE,
     SIMULATED,
     changed,
+    chosen,
     diagnosed,
     names,
+    posed,
     recorded,
     value_of,
 )
@@ -37,6 +41,23 @@ def test_a_zero_that_wanders_from_cycle_to_cycle_is_a_drift_where_it_exceeds_the
         deviation = value_of(result, "drift", "deviation")
         assert deviation.low < np.std(walk, ddof=1) < deviation.high
         assert result.diagnoses[0].noise == pytest.approx(NOISE, rel=0.1)
+
+
+@pytest.mark.parametrize(
+    ("jump", "zeros", "wanders"),
+    [(5.0, 5.0, True), (5.0, 1.0, False), (80.0, 5.0, False)],
+    ids=["both", "hardly", "a slip that zeros take back"],
+)
+def test_beside_slips_a_zero_wanders_that_does_by_much_and_takes_none_of_them_back(
+    jump, zeros, wanders
+):
+    recording = recorded({"lost_steps": {"jump": 5.0, "time": 1000.0}}, cycles=9, seed=5)
+    off = zeros * NOISE * np.array([0.0, 1.0, -1.5, -0.5, 1.2, 0.4, -1.5, 1.5, 0.5])
+    cycle = recording.values("cycle").astype(int)
+    problem = posed(changed(recording, **{ANGLE: recording.values(ANGLE) + off[cycle]}))
+    noise = NoiseModel(white=NOISE, jitter=zeros * NOISE)
+    ground = ground_of(problem, noise, problem.train)
+    assert wanders_by_cycle(chosen(ground, 0.0, lost_steps=[jump, 1000.0])) == wanders
 
 
 def test_a_slip_in_a_held_out_cycle_is_not_refuted_by_that_cycle():

@@ -51,6 +51,14 @@ def test_beside_names_it_is_a_drift_from_three_times_the_noise_on(times, far):
     assert not walks_far(explanation, alone) or times > 5.0
 
 
+def test_it_does_not_hide_that_names_are_wrong():
+    explanation = walked(4.0)
+    (choice,) = explanation.choices
+    wrong = chosen(choice.fit.ground, 0.0, backlash=[70.0])
+    assert witnessed(explanation, wrong)
+    assert not walks_far(explanation, wrong)
+
+
 @pytest.mark.parametrize(
     "said", [{"repeats": 0}, {"strain": 100.0}, {"walk": 0.0}], ids=["none", "against", "still"]
 )

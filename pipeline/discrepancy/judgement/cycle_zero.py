@@ -24,8 +24,23 @@ def wanders_by_cycle(choice: Choice) -> bool:
     noise = choice.fit.ground.noise
     if noise.jitter == 0.0 or Drift.name in choice.fit.slow:
         return False
+    if choice.fit.slow and not leaves_less(choice):
+        return False
     means, least = zeros_of(choice), noise.deviation * (BESIDE_SLIPS if choice.fit.slow else 1.0)
     return len(means) >= FEWEST_CYCLES and deviation_of(means)[1] > least
+
+
+def leaves_less(choice: Choice) -> bool:
+    """Whether a choice's names leave no more, by themselves, than there was without them.
+
+    Else a zero that wanders takes back what they do.
+    """
+    ground = choice.fit.ground
+    before, left = (
+        float(np.var((ground.problem.measured - told)[ground.used]))
+        for told in (ground.problem.simulated, choice.fit.predicted)
+    )
+    return left <= before
 
 
 def zeros_of(choice: Choice) -> np.ndarray:

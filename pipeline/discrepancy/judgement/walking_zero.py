@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from pipeline.discrepancy.judgement.cycle_zero import told_as_drift
+from pipeline.discrepancy.judgement.cycle_zero import leaves_less, told_as_drift
 from pipeline.discrepancy.model.result import Estimate, Evidence, NamedPhysics
 from pipeline.discrepancy.search.explain import Explanation
 from pipeline.discrepancy.search.refuted import refuted
@@ -23,13 +23,13 @@ def witnessed(explanation: Explanation, choice: Choice) -> bool:
 def walks_far(explanation: Explanation, choice: Choice) -> bool:
     """Whether the zero surely walks by many times the noise; beside names fewer are enough.
 
-    Where others say that the simulation leaves things out, a drift is likelier.
+    Where others say that the simulation leaves things out, a drift is likelier; but not where they
+    leave more than there was without them.
     """
-    if not witnessed(explanation, choice):
+    if not (witnessed(explanation, choice) and leaves_less(choice)):
         return False
-    ground = choice.fit.ground
+    ground, most = choice.fit.ground, BESIDE_NAMES if choice.fit.pieces else FAR_WALK
     left = (ground.problem.measured - choice.fit.predicted)[ground.used]
-    most = BESIDE_NAMES if choice.fit.pieces else FAR_WALK
     return bool(np.var(left) > most * ground.noise.deviation**2)
 
 
