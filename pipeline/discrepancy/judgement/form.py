@@ -7,6 +7,7 @@ import numpy as np
 
 from pipeline.discrepancy.fitting.fit import evaluate, improve
 from pipeline.discrepancy.judgement.verdict import mean_square
+from pipeline.discrepancy.judgement.walking_zero import walks_far
 from pipeline.discrepancy.problem.problem import Problem
 from pipeline.discrepancy.search.explain import Explanation
 from pipeline.discrepancy.search.weighing import Choice, names
@@ -30,11 +31,11 @@ def names_of_form(explanation: Explanation, best: Choice) -> dict[str, float]:
     Where the simulation is a trace with a course in time of its own, terms act on what comes out of
     that, and what they stand for acts inside of it: they come a little early or late. So there a
     lag is one, too, that explains less than LATE_SHARE and less than LATE_SIZE of the noise. A zero
-    that walks is most of any mean square: beside it no share says anything.
+    that walks far is most of any mean square: beside it no share says anything.
     """
     if explanation.problem.derivatives is not None:
         return faint_zero(explanation, best)
-    if best.fit.ground.noise.walk > 0.0:
+    if walks_far(explanation, best):
         return {}
     before, begun = mismatch_of(explanation, best), mean_square(explanation, best)
     noise, moves = best.fit.ground.noise.deviation**2, moves_by_itself(explanation.problem)
