@@ -5,10 +5,11 @@ from typing import ClassVar
 import numpy as np
 from numba import njit
 
+from pipeline.physics.drive_play import DrivePlay
 from pipeline.physics.driven_through_spring import thrown
 from pipeline.physics.held import dwells
 from pipeline.physics.motion import Motion
-from pipeline.physics.term import Parameter, Surroundings, Term
+from pipeline.physics.term import Parameter, Surroundings
 
 PARTS = 4
 MET = 1.0 - np.exp(-1.0 / PARTS)
@@ -47,7 +48,7 @@ def coasted(drive, dwell, half_width, drag, fading, state):  # type: ignore[no-u
     return out, np.array([before, at, speed])
 
 
-class CoastingPlay(Term):
+class CoastingPlay(DrivePlay):
     """q'' = -drag sgn(q') - fading q' in a gap w about the drive u, |q - u| <= w/2.
 
     Play as `backlash.py` has it stops the load wherever nothing pushes it. A load with mass runs on
@@ -58,13 +59,7 @@ class CoastingPlay(Term):
     (backlash between two masses).
     """
 
-    name = "backlash"
-    site = "transmission"
-    place = 30.0
-    remembers = "way"
-    before_curve = True
     timed = True
-    group = "play"
     far_apart = True
     form = "coasting"
     grows: ClassVar = {"coasting": (ELASTIC,)}
@@ -78,10 +73,10 @@ class CoastingPlay(Term):
         self.own_law = self.form == ELASTIC
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
-        span, unit = around.drive_span, around.drive_unit
+        unit = around.drive_unit
         drag, pace = usual_drag(around), usual_pace(around)
         own = (
-            Parameter("width", unit, 0.0, 0.9 * span, 0.05 * span, 0.05 * span),
+            self.width(around),
             Parameter("drag", f"{unit}/s^2", SLOWEST * drag, FASTEST * drag, drag, 0.0,
                       relative=True),
             Parameter("fading", "1/s", 0.0, 1.0 / max(around.dwell_s, 1e-9), pace, 3.0 * pace),
@@ -111,7 +106,7 @@ class CoastingPlay(Term):
         return out, np.concatenate([motion.time_s[-1:], last])
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
-        widths = around.drive_span * np.array([0.003, 0.01, 0.03, 0.1])
+        widths = self.widths(around)
         drags = usual_drag(around) * np.array([0.1, 1.0, 10.0])
         paces = usual_pace(around) * np.array([0.3, 3.0])
         if self.form == ELASTIC:

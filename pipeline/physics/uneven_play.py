@@ -3,10 +3,11 @@
 import numpy as np
 
 from pipeline.number_words import worded
+from pipeline.physics.drive_play import DrivePlay
 from pipeline.physics.force_units import FORCES, LENGTHS
 from pipeline.physics.motion import Motion
 from pipeline.physics.play_operator import varying_play
-from pipeline.physics.term import Parameter, Surroundings, Term
+from pipeline.physics.term import Parameter, Surroundings
 
 TAPERED, WORN = "tapered", "worn round"
 FORMS = TAPERED, WORN
@@ -16,7 +17,7 @@ TAPERS = (-0.6, -0.3, 0.3, 0.6)
 UNWORN, PLACES, REACHES = (0.3, 0.6), (0.3, 0.5, 0.7), (0.1, 0.2)
 
 
-class UnevenPlay(Term):
+class UnevenPlay(DrivePlay):
     """x_k = max(u_k - w(u_k)/2, min(u_k + w(u_k)/2, x_{k-1})), w(u) being one of two.
 
     Form "tapered": w = width (1 + taper (u - middle) / far), from the middle of the drive's range
@@ -30,13 +31,6 @@ class UnevenPlay(Term):
     Phys. 24 (1953) 981 (wear in proportion to the way slid).
     """
 
-    name = "backlash"
-    site = "transmission"
-    place = 30.0
-    remembers = "way"
-    before_curve = True
-    group = "play"
-
     def __init__(self, form: str) -> None:
         self.form = form
         self.unlikely = LIKE_A_SHEATH if form == TAPERED else 0.0
@@ -45,7 +39,7 @@ class UnevenPlay(Term):
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
         span, unit = around.drive_span, around.drive_unit
         middle, far = around.drive_low + 0.5 * span, 0.5 * span
-        width = Parameter("width", unit, 0.0, 0.9 * span, 0.05 * span, 0.05 * span)
+        width = self.width(around)
         if self.form == TAPERED:
             return (
                 width,

@@ -3,12 +3,13 @@
 import numpy as np
 from numba import njit
 
+from pipeline.physics.drive_play import DrivePlay
 from pipeline.physics.held import STEP_AND_WAIT_S, dwells
 from pipeline.physics.motion import Motion
-from pipeline.physics.term import Parameter, Surroundings, Term
+from pipeline.physics.term import Parameter, Surroundings
 
 SLOWEST = 0.5
-SHARES = (0.1, 0.25)
+SETTLE = (0.1, 0.25)
 
 
 @njit(cache=True, error_model="numpy")
@@ -52,7 +53,7 @@ def yielded(drive, dwell, half_width, settling, before, at):  # type: ignore[no-
     return out
 
 
-class YieldingPlay(Term):
+class YieldingPlay(DrivePlay):
     """settling x' = the drive u less the load x beyond the half gap w/2, and 0 within it.
 
     Play as `backlash.py` has it pushes with rigid flanks. Teeth, pins and wires give a little, and
@@ -62,13 +63,7 @@ class YieldingPlay(Term):
     its load overdamped).
     """
 
-    name = "backlash"
-    site = "transmission"
-    place = 30.0
-    remembers = "way"
-    before_curve = True
     timed = True
-    group = "play"
     form = "yielding"
     says = (
         "The drive turns through {width} of play after each reversal before its flanks push; these "
@@ -76,10 +71,9 @@ class YieldingPlay(Term):
     )
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
-        span, unit = around.drive_span, around.drive_unit
         most = SLOWEST * max(around.dwell_s, 1e-9)
         return (
-            Parameter("width", unit, 0.0, 0.9 * span, 0.05 * span, 0.05 * span),
+            self.width(around),
             Parameter("settling", "s", 0.0, most, 0.5 * most, 0.0),
         )
 
@@ -94,8 +88,8 @@ class YieldingPlay(Term):
         return out, np.array([motion.time_s[-1], asked[-1], out[-1]])
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
-        widths = around.drive_span * np.array([0.003, 0.01, 0.03, 0.1])
-        return np.array([[w, s * around.dwell_s] for w in widths for s in SHARES])
+        given = self.widths(around)
+        return np.array([[w, s * around.dwell_s] for w in given for s in SETTLE])
 
     def excited(self, motion: Motion, around: Surroundings) -> bool:
         """Where a drive is sampled as it moves: what steps and waits has pushed long before."""

@@ -8,6 +8,7 @@ from scipy.signal import lfilter
 
 from pipeline.discrepancy.model.model import as_json, from_json
 from pipeline.discrepancy.problem.course import Course, course_of
+from pipeline.discrepancy.problem.driven import driven_by
 from pipeline.physics.play_operator import play
 from pipeline.recording import Recording
 from tests.discrepancy.made import ANGLE, SIMULATED, changed, diagnosed, followed, names, value_of
@@ -73,10 +74,9 @@ def test_there_is_none_of_another(simulated):
     assert course(simulated) is None
 
 
-def real(simulated: np.ndarray, clean: np.ndarray, repeated: int = 1) -> Recording:
+def real(simulated: np.ndarray, clean: np.ndarray) -> Recording:
     seen = 1.01 * clean + 0.3 + NOISE * np.random.default_rng(2).standard_normal(len(clean))
-    time_s = np.arange(len(clean)) * STEP_S / repeated
-    recording = followed(time_s, commanded(time_s), seen, PACE_HZ)
+    recording = followed(TIME_S, DRIVE, seen, PACE_HZ)
     return changed(recording, **{SIMULATED: simulated})
 
 
@@ -110,3 +110,12 @@ def test_its_stored_model_answers_with_the_simulations_lag(geared):
 def test_a_lag_that_the_simulation_has_is_no_mismatch():
     found = diagnosed(real(late(curved(DRIVE)), late(curved(DRIVE))))
     assert found.diagnoses[0].verdict == "no_mismatch"
+
+
+def test_of_commands_that_are_alike_the_axis_has_its_own():
+    recording = real(late(curved(DRIVE)), late(curved(DRIVE)))
+    both = changed(recording, yaw_command_deg=DRIVE)
+    other_first = replace(both, channels=(both.channels[1], both.channels[0], *both.channels[2:]))
+    driven = driven_by(other_first, ANGLE, other_first.values(SIMULATED))
+    assert driven.course is not None
+    assert driven.drive == "pitch_command_deg"

@@ -1,0 +1,27 @@
+"""Play of the drive: what its kinds share."""
+
+import numpy as np
+
+from pipeline.physics.term import Parameter, Surroundings, Term
+
+SHARES = np.array([0.003, 0.01, 0.03, 0.1])
+
+
+class DrivePlay(Term):
+    """A gap of `width` behind the drive, its first parameter; a load starts in the middle of it."""
+
+    name = "backlash"
+    site = "transmission"
+    place = 30.0
+    remembers = "way"
+    before_curve = True
+    group = "play"
+
+    def width(self, around: Surroundings) -> Parameter:
+        """How wide the gap is [drive unit]."""
+        span, unit = around.drive_span, around.drive_unit
+        return Parameter("width", unit, 0.0, 0.9 * span, 0.05 * span, 0.05 * span)
+
+    def widths(self, around: Surroundings) -> np.ndarray:
+        """Widths to begin a search from, (k,) [drive unit]."""
+        return around.drive_span * SHARES
