@@ -4,6 +4,7 @@ import numpy as np
 
 from pipeline.number_words import worded
 from pipeline.physics.coasting_play import CoastingPlay
+from pipeline.physics.drive_play import DrivePlay
 from pipeline.physics.motion import Motion
 from pipeline.physics.play_operator import play
 from pipeline.physics.term import Parameter, Surroundings, Term
@@ -15,7 +16,7 @@ AHEAD, PIN = "ahead of ripple", "pin"
 BEFORE_RIPPLE, BEHIND_JOINT = TransmissionRipple.place - 5.0, 85.0
 
 
-class Backlash(Term):
+class Backlash(DrivePlay):
     """x_k = max(u_k - w/2, min(u_k + w/2, x_{k-1})), with the gap w in the drive's unit.
 
     It starts in the middle of its gap. Form "ahead of ripple" is play in a gear whose output shaft
@@ -24,12 +25,6 @@ class Backlash(Term):
     play operator, Krasnosel'skii and Pokrovskii, Systems with Hysteresis (1989), section 2.
     """
 
-    name = "backlash"
-    site = "transmission"
-    place = 30.0
-    remembers = "way"
-    before_curve = True
-    group = "play"
     means = "play: lost motion with sharp corners after each reversal"
     says = "The drive turns through {width} of play after each reversal before anything moves."
     says_of_pin = "What the joint carries turns through {width} of play after each reversal."
