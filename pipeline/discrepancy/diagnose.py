@@ -14,6 +14,7 @@ from pipeline.discrepancy.judgement.named import named_physics, verdict_of
 from pipeline.discrepancy.judgement.notes import accuracy_note, notes, smooth_error
 from pipeline.discrepancy.judgement.refit import likeliest, refitted
 from pipeline.discrepancy.judgement.rivals import hypotheses_of, mechanism_of
+from pipeline.discrepancy.judgement.smooth_wander import zero_that_wanders
 from pipeline.discrepancy.judgement.structure import Structure
 from pipeline.discrepancy.model.intervals import covariance_of, wide_covariance
 from pipeline.discrepancy.model.model import CorrectedModel, Hypothesis
@@ -49,7 +50,9 @@ def diagnose_measurement(
     else:
         problem, explanation = explained_in_time(problem)
     explanation = without_faint(explanation)
-    best, structure, accurate = decided(problem, explanation)
+    decision = decided(problem, explanation)
+    explanation, best, structure = decision.explanation, decision.choice, decision.structure
+    accurate, wander = decision.accurate, decision.wander
     family = explanation.search.family
     covariance = (
         covariance_of(best.fit) if accurate else wide_covariance(best.fit, best.place, family)
@@ -62,12 +65,16 @@ def diagnose_measurement(
         model = going_on(model, problem, explanation, best)
     model = replace(model, end=end_of(problem.motion, model.later or model.mechanism))
     evidence = evidence_of(recording, measurement, problem, explanation, model, hypotheses)
-    formal = names_of_form(explanation, best)
+    formal = {} if wander else names_of_form(explanation, best)
     named = named_physics(explanation, best, evidence, structure, covariance)
+    if wander is not None:
+        named = (*(p for p in named if p.name != Drift.name), zero_that_wanders(wander, evidence))
     physics = () if accurate else tuple(p for p in named if p.name not in formal)
     noise = reported_noise(explanation, best, structure, model)
     if wanders_by_cycle(best) and any(p.name == Drift.name for p in physics):
         noise = replace(noise, jitter=0.0)
+    if wander is not None:
+        noise = wander.zero.noise
     evidence = replace(evidence, noise=noise)
     before, after = evidence.errors(evidence.before), evidence.errors(evidence.after)
     if not structure.found:

@@ -1,14 +1,16 @@
 """What stays of the best choice, and which structured rest is left: the fit, then the proof."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from pipeline.discrepancy.fitting.charge import absurd_calibration
 from pipeline.discrepancy.judgement.cancelling import CANCELLED, cancelling
+from pipeline.discrepancy.judgement.cycle_zero import about_each_zero
 from pipeline.discrepancy.judgement.form import one_for_many
-from pipeline.discrepancy.judgement.proof import counted_errors, disproved, strained
+from pipeline.discrepancy.judgement.proof import counted_errors, disproved, refuted, strained
 from pipeline.discrepancy.judgement.rivals import mechanism_of
+from pipeline.discrepancy.judgement.smooth_wander import Beside, wandering
 from pipeline.discrepancy.judgement.structure import (
     Structure,
     mismatch_variance,
@@ -35,16 +37,33 @@ from pipeline.discrepancy.search.foretold import foretold_part, testable
 from pipeline.discrepancy.search.weighing import Choice
 
 
-def decided(problem: Problem, explanation: Explanation) -> tuple[Choice, Structure, bool]:
-    """What stays of the best choice, the structured rest, and whether the accuracy decided."""
+@dataclass(frozen=True)
+class Decision:
+    """What stays of an explanation's best choice and the structured rest.
+
+    accurate: whether the simulation's declared accuracy decided. wander: the zero that wanders
+    smoothly, where that is all the rest; the explanation is the one beside it then.
+    """
+
+    explanation: Explanation
+    choice: Choice
+    structure: Structure
+    accurate: bool = False
+    wander: Beside | None = None
+
+
+def decided(problem: Problem, explanation: Explanation) -> Decision:
+    """What stays of the best choice, and what rest."""
     best = sure_of_slow(explanation, undisguised(explanation.choices))
     best = unless_nothing(explanation, one_for_many(explanation, best))
     structure = structure_of(explanation, best)
     base = next(c for c in explanation.choices if not c.fit.pieces)
     if within_accuracy(base, explanation.used):
         alone = calibrated_alone(base, explanation.used)
-        return alone, Structure(False, None, structure.share, structure.p_value), True
+        none = Structure(False, None, structure.share, structure.p_value)
+        return Decision(explanation, alone, none, accurate=True)
     absurd = absurd_calibration(best.fit)
+    sound = absurd is None and follows(explanation, best) and not cancelling(best)
     if not follows(explanation, best):
         structure, best = replace(structure, found=True, where="everywhere"), base
     elif cancelling(best):
@@ -53,17 +72,38 @@ def decided(problem: Problem, explanation: Explanation) -> tuple[Choice, Structu
         structure = replace(structure, found=True, where=absurd)
     unrepeated = explanation.prior.repeats == 0 and problem.derivatives is None and testable(best)
     judge = without_repeats if unrepeated else by_repeats
+    told = best
     best, structure = judge(problem, explanation, best, structure, absurd is None)
     if not structure.found:
         off, counted = counted_errors(problem, explanation, best, predicted_by(problem, best))
         drifts = walks_far(explanation, best)
         where = strained(problem, off, counted, best.fit.ground.noise, drifts)
         structure = replace(structure, found=where is not None, where=where or structure.where)
-    if structure.found:
-        share = max(structure.share, share_left(explanation, best))
-        structure = replace(structure, share=share)
-        best = best if best.fit.pieces else evenly_calibrated(best, explanation.used)
-    return best, structure, False
+    if not structure.found:
+        return Decision(explanation, best, structure)
+    wandered = beside_a_wander(problem, explanation, told) if sound else None
+    if wandered is not None:
+        return wandered
+    share = max(structure.share, share_left(explanation, best))
+    best = best if best.fit.pieces else evenly_calibrated(best, explanation.used)
+    return Decision(explanation, best, replace(structure, share=share))
+
+
+def beside_a_wander(problem: Problem, explanation: Explanation, best: Choice) -> Decision | None:
+    """The decision where all that is left is a zero that wanders smoothly, also in held-out rows.
+
+    In each cycle it begins somewhere else.
+    """
+    found = wandering(explanation, best)
+    if found is None:
+        return None
+    explanation, beside = found
+    choice = explanation.choices[0]
+    off, counted = counted_errors(problem, explanation, choice, predicted_by(problem, choice))
+    off = about_each_zero(off, problem.cycle, counted & np.isfinite(off))
+    if refuted(problem, off, counted):
+        return None
+    return Decision(explanation, choice, Structure(False, None, 0.0, 1.0), wander=beside)
 
 
 def by_repeats(

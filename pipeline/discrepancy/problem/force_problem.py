@@ -103,8 +103,10 @@ def top_of(values: np.ndarray) -> float:
     return usual if usual > HARDLY * most else most
 
 
-def averaged(problem: Problem) -> tuple[Problem, int]:
+def averaged(problem: Problem, like: Averaged | None = None) -> tuple[Problem, int]:
     """The problem of a force with block means as rows, and how many samples make one.
+
+    like: the blocks of the same samples as they were before their motion was moved.
 
     Blocks are as long as leaves 2.5 rows to a period of the cut-off, shorter where that would leave
     fewer than FEWEST_ROWS, and longer where there would be more than MOST_ROWS; see `block_begins`.
@@ -120,7 +122,7 @@ def averaged(problem: Problem) -> tuple[Problem, int]:
     size = max(min(by_cutoff, roomy), -(-last // MOST_ROWS), 1)
     fine = problem.motion.rows(slice(0, max(last, size)))
     known = (problem.train | problem.heldout)[: len(fine)]
-    begins = block_begins(problem.rows(np.arange(len(fine))), size)
+    begins = block_begins(problem.rows(np.arange(len(fine))), size) if like is None else like.begins
     blocks = Averaged(fine, size, begins, known)
     kinetics = fine.kinetics
     assert kinetics is not None

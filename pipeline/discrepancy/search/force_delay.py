@@ -32,7 +32,7 @@ def delay_of(problem: Problem, fit: Fit) -> Delay:
     sample_s = problem.around.dwell_s
 
     def moved(fit: Fit, samples: float) -> Fit:
-        there = averaged(late(problem, Delay(samples * sample_s)))[0]
+        there = averaged(late(problem, Delay(samples * sample_s)), fit.ground.problem.averaged)[0]
         return evaluate(replace(fit.ground, problem=there), fit.pieces)
 
     samples, variance = 0.0, 0.0

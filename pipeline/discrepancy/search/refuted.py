@@ -1,5 +1,7 @@
 """Explanations that repeated cycles speak against."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from scipy.special import chdtrc
 
@@ -70,17 +72,24 @@ def spoken_against(search: Search, choice: Choice) -> float:
 
 
 def in_common(choice: Choice, prior: NoisePrior) -> tuple[float, int, int]:
-    """Squares that cycles that repeat have in common in a choice's innovations, steps, and samples.
+    """Squares that cycles that repeat have in common in a choice's innovations: see `shared`."""
+    return shared(choice.fit.innovations, choice.fit.ground.used, prior.groups)
 
-    Of the steps that are repeated their innovations' mean, against what is different between them:
-    the test of lack of fit by pure error (Draper and Smith, Applied Regression Analysis, section
-    2.1). Of noise alone the squares are chi-square with as many degrees of freedom as steps.
+
+def shared(
+    innovations: np.ndarray, used: np.ndarray, groups: Sequence[np.ndarray]
+) -> tuple[float, int, int]:
+    """Squares that repeated cycles have in common in innovations (used rows,), steps, and samples.
+
+    used: (n,) rows that count. groups: as of `repeated_cycles`. Of the steps that are repeated
+    their innovations' mean, against what is different between them: the test of lack of fit by pure
+    error (Draper and Smith, Applied Regression Analysis, section 2.1). Of noise alone the squares
+    are chi-square with as many degrees of freedom as steps.
     """
-    ground = choice.fit.ground
-    found = np.full(len(ground.used), np.nan)
-    found[ground.used] = choice.fit.innovations
+    found = np.full(len(used), np.nan)
+    found[used] = innovations
     gain, freedom, count = 0.0, 0, 0
-    for rows in prior.groups:
+    for rows in groups:
         values = np.where(rows >= 0, found[rows], np.nan)
         repeats = np.isfinite(values).sum(axis=0)
         again = repeats >= FEWEST_AGAIN

@@ -1,0 +1,172 @@
+"""A zero that wanders smoothly and by more than the noise, whatever is commanded: a drift."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.special import chdtrc
+
+from pipeline.discrepancy.fitting.charge import complexity
+from pipeline.discrepancy.fitting.fit import Fit, evaluate, improve
+from pipeline.discrepancy.judgement.cycle_zero import leaves_less, told_as_drift
+from pipeline.discrepancy.judgement.recurrence import foretold_share
+from pipeline.discrepancy.judgement.rest import curves, followed
+from pipeline.discrepancy.judgement.structure import CHANCE, SMALLEST_SIZE
+from pipeline.discrepancy.model.result import Estimate, Evidence, NamedPhysics
+from pipeline.discrepancy.noise.smooth_zero import SmoothZero, likeliest_zero
+from pipeline.discrepancy.search.explain import Explanation
+from pipeline.discrepancy.search.refuted import shared
+from pipeline.discrepancy.search.weighing import Choice, by_names
+from pipeline.number_words import worded
+from pipeline.physics.drift import Drift
+
+SAYS = "The zero wanders smoothly, by about {size} {unit}: no command foretells it."
+FAR = 4.0  # variance of what is left, over that of the noise beside the wander
+LEAD = 15.0  # log likelihood of a zero over all else that may wander
+FASTEST_PACE, MOST_SETS = 12.0, 10  # per cycle
+PLAYS, PIVOTS = (0.02, 0.05, 0.1, 0.25), (0.0, 0.5, 1.0)
+BY_TIME = ("the cycle", "the gain in each cycle")
+KNOWN_TO = 1.96
+ALIKE_OVER = 2.5  # over the pace: so many rows of a smooth zero say one thing of its variance
+
+
+@dataclass(frozen=True)
+class Beside:
+    """A fit beside a zero that wanders smoothly.
+
+    left: (n,) what the fit leaves, refitted to first order beside such a zero, 0 where not used.
+    """
+
+    fit: Fit
+    left: np.ndarray
+    zero: SmoothZero
+    log_likelihood: float
+
+    @property
+    def score(self) -> float:
+        """-2 log evidence, as of a choice."""
+        return complexity(self.fit) - 2.0 * self.log_likelihood
+
+    @property
+    def size(self) -> float:
+        """Root mean square of the wander [measurement's unit]."""
+        variance = float(np.var(self.left[self.fit.ground.used]))
+        return float(np.sqrt(max(variance - self.zero.deviation**2, 0.0)))
+
+
+def wandering(explanation: Explanation, best: Choice) -> tuple[Explanation, Beside] | None:
+    """The explanation beside a zero that wanders smoothly, if that is what the best choice leaves.
+
+    Its choices weighed anew, the best one first, and that beside the zero. Cycles that repeat have
+    to bear it out, and it must be the zero that wanders: nothing of what is left follows the
+    commands, and what wanders is surely as large at each command and in each direction, not like a
+    gain or play that wanders.
+    """
+    problem, prior = explanation.problem, explanation.prior
+    if problem.derivatives is not None or prior.repeats == 0:
+        return None
+    found = [beside(fit) for fit in reconsidered(explanation, best)]
+    choices = [Choice(b.fit, best.place, b.score) for b in found]
+    first = min(range(len(found)), key=lambda k: found[k].score)
+    told = found[first]
+    rows = len(problem.cycle) / len(np.unique(problem.cycle))
+    far = np.var(told.left[told.fit.ground.used]) > FAR * told.zero.deviation**2
+    if not (far and told.zero.pace * rows < FASTEST_PACE and leaves_less(choices[first])):
+        return None
+    if follows_commands(explanation, told) or not is_zero(told):
+        return None
+    return replace(explanation, choices=sorted(choices, key=lambda c: c.score)), told
+
+
+def reconsidered(explanation: Explanation, best: Choice) -> list[Fit]:
+    """What may be said beside a zero that wanders: the choices' fits without drifts and slips."""
+    found: dict[frozenset[str], Fit] = {}
+    likely = [best, *sorted(by_names(explanation.choices), key=lambda c: c.score)]
+    for choice in likely:
+        pieces = choice.fit.pieces
+        steady = [p for p in pieces if p.term.name != Drift.name]
+        for rest in (steady, [p for p in steady if not p.term.slow]):
+            told = frozenset(p.term.name for p in rest)
+            if told not in found and len(found) < MOST_SETS:
+                found[told] = improve(evaluate(choice.fit.ground, rest))
+    if frozenset() not in found:
+        found[frozenset()] = evaluate(best.fit.ground, [])
+    return list(found.values())
+
+
+def beside(fit: Fit, carrier: np.ndarray | None = None) -> Beside:
+    """The fit beside the likeliest smooth zero, or what wanders in its place times a carrier (n,)."""
+    ground = fit.ground
+    used, taken = ground.used, followed(fit)
+    carrier = np.ones(len(used)) if carrier is None else carrier
+    left = np.where(used, ground.problem.measured - fit.predicted, 0.0)
+    _, zero = likeliest_zero(left, carrier, used)
+    white, _ = zero.innovations(np.column_stack([left, taken]), carrier, used)
+    left = left - taken @ np.linalg.lstsq(white[:, 1:], white[:, 0], rcond=None)[0]
+    likelihood, zero = likeliest_zero(left, carrier, used, (zero,))
+    return Beside(fit, left, zero, likelihood)
+
+
+def follows_commands(explanation: Explanation, found: Beside) -> bool:
+    """Whether something of what is left beside the zero follows the commands, or foretells more."""
+    ground = found.fit.ground
+    used, steady = ground.used, np.ones(len(ground.used))
+    taken = followed(found.fit)
+
+    def white(columns: np.ndarray) -> np.ndarray:
+        return found.zero.innovations(np.where(used[:, None], columns, 0.0), steady, used)[0]
+
+    e = white(found.left[:, None])[:, 0]
+    gain, freedom, _ = shared(e, used, explanation.prior.groups)
+    if chdtrc(max(freedom, 1), gain) < CHANCE or foretold_share(e)[0]:
+        return True
+    own = np.linalg.qr(white(taken))[0]
+    families = {k: c for k, c in curves(ground.problem).items() if k not in BY_TIME}
+    for columns in families.values():
+        free = white(columns)
+        free = free - own @ (own.T @ free)
+        basis, sizes, _ = np.linalg.svd(free, full_matrices=False)
+        basis = basis[:, sizes > 1e-6 * sizes[0]]
+        gain, freedom = float(np.sum((basis.T @ e) ** 2)), basis.shape[1]
+        small = gain - freedom < SMALLEST_SIZE**2 * len(e)
+        if chdtrc(freedom, gain) * len(families) < CHANCE and not small:
+            return True
+    return False
+
+
+def is_zero(found: Beside) -> bool:
+    """Whether a zero is surely likelier to wander than a gain, about any pivot, or play."""
+    least = found.log_likelihood - LEAD
+    others = carriers(found.fit.ground.problem.motion.drive)
+    return all(beside(found.fit, c).log_likelihood < least for c in others)
+
+
+def carriers(drive: np.ndarray) -> Iterator[np.ndarray]:
+    """What else may wander by a command (n,): what that is multiplied with in each row, (n,)."""
+    low, span = float(drive.min()), max(float(np.ptp(drive)), 1e-300)
+    place = (drive - low) / span
+    yield np.abs(place - 0.5)
+    for pivot in PIVOTS:
+        yield place - pivot
+    for width in PLAYS:
+        yield direction(place, width)
+
+
+def direction(drive: np.ndarray, width: float) -> np.ndarray:
+    """The side (n,), from -1 to 1, at which a command stands in play of +-width round it."""
+    middle, out = drive[0], np.empty(len(drive))
+    for i, value in enumerate(drive):
+        middle = min(max(middle, value - width), value + width)
+        out[i] = (value - middle) / width
+    return out
+
+
+def zero_that_wanders(found: Beside, evidence: Evidence) -> NamedPhysics:
+    """The drift of a zero that wanders smoothly: the deviation of that."""
+    size, unit = found.size, found.fit.ground.problem.around.angle_unit
+    spread = KNOWN_TO * float(np.sqrt(0.5 * ALIKE_OVER / (found.zero.pace * found.fit.ground.count)))
+    low, high = size * max(1.0 - spread, 0.0), size * (1.0 + spread)
+    told = Estimate("deviation", size, low, high, unit)
+    return told_as_drift(evidence, told, SAYS.format(size=worded(size), unit=unit))
+
+
