@@ -1,5 +1,6 @@
 """A force whose motion was commanded and comes again: what leaps each time is no mistake."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -51,6 +52,19 @@ def test_what_leaps_at_the_top_speed_of_every_cycle_is_a_mismatch():
     # The valve's few samples count: without them calibration alone would leave the noise.
     assert found.before.heldout_rmse > 3.0 * 2.0
     assert found.after.heldout_rmse > 2.0 * 2.0
+
+
+def test_blocks_stay_where_they_were_when_the_motion_is_moved():
+    """Moved by part of a sample, the cycles of a motion need not come again to the sample."""
+    problem = posed(DiagnosisConfig(), bench(0.0), "force_n")
+    small, _ = averaged(problem)
+    measured = posed(DiagnosisConfig(), bench(0.0, beside_m=1e-4), "force_n")
+    elsewhere = replace(problem, motion=measured.motion)
+    assert not driven_again(elsewhere)
+    assert len(averaged(elsewhere)[0].motion) != len(small.motion)
+    moved, _ = averaged(elsewhere, small.averaged)
+    assert moved.averaged.begins.tolist() == small.averaged.begins.tolist()
+    assert len(moved.motion) == len(small.motion)
 
 
 def test_blocks_begin_anew_with_each_cycle_of_a_motion_that_comes_again():

@@ -197,16 +197,16 @@ def test_a_rest_that_is_small_is_the_form_of_what_was_named(monkeypatch, shows, 
     assert found.prior.repeats == 0
     rest = Structure(True, "elsewhere", share, 1e-9, wandering=NoiseModel(NOISE))
     monkeypatch.setattr(decision, shows, lambda *_: rest)
-    best, structure, _ = decision.decided(found.problem, found)
-    assert structure.found == told
-    assert best.fit.names == ("backlash",)
+    decided = decision.decided(found.problem, found)
+    assert decided.structure.found == told
+    assert decided.choice.fit.names == ("backlash",)
 
 
 def test_held_out_rows_refute_however_small_a_rest_is(monkeypatch):
     found = explain(problem_of(moved(20.0 * WAVES, ("backlash", [6.0]), seed=1)))
     refuted = Structure(True, "on held-out samples", 1e-4, 1e-9)
     monkeypatch.setattr(decision, "disproved", lambda *_: refuted)
-    assert decision.decided(found.problem, found)[1].found
+    assert decision.decided(found.problem, found).structure.found
 
 
 @pytest.mark.parametrize("rest", [0.01, 1.0])

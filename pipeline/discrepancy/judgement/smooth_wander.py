@@ -15,7 +15,7 @@ from pipeline.discrepancy.judgement.structure import CHANCE, SMALLEST_SIZE
 from pipeline.discrepancy.model.result import Estimate, Evidence, NamedPhysics
 from pipeline.discrepancy.noise.smooth_zero import SmoothZero, likeliest_zero
 from pipeline.discrepancy.search.explain import Explanation
-from pipeline.discrepancy.search.refuted import shared
+from pipeline.discrepancy.search.refuted import SURELY, shared
 from pipeline.discrepancy.search.weighing import Choice, by_names
 from pipeline.number_words import worded
 from pipeline.physics.drift import Drift
@@ -25,7 +25,6 @@ FAR = 4.0  # variance of what is left, over that of the noise beside the wander
 LEAD = 15.0  # log likelihood of a zero over all else that may wander
 FASTEST_PACE, MOST_SETS = 12.0, 10  # per cycle
 PLAYS, PIVOTS = (0.02, 0.05, 0.1, 0.25), (0.0, 0.5, 1.0)
-BY_TIME = ("the cycle", "the gain in each cycle")
 KNOWN_TO = 1.96
 ALIKE_OVER = 2.5  # over the pace: so many rows of a smooth zero say one thing of its variance
 
@@ -71,7 +70,9 @@ def wandering(explanation: Explanation, best: Choice) -> tuple[Explanation, Besi
     told = found[first]
     rows = len(problem.cycle) / len(np.unique(problem.cycle))
     far = np.var(told.left[told.fit.ground.used]) > FAR * told.zero.deviation**2
-    if not (far and told.zero.pace * rows < FASTEST_PACE and leaves_less(choices[first])):
+    louder = np.log(told.zero.deviation / prior.model.deviation) > SURELY * prior.sure
+    slow = told.zero.pace * rows < FASTEST_PACE
+    if louder or not (far and slow and leaves_less(choices[first])):
         return None
     if follows_commands(explanation, told) or not is_zero(told):
         return None
@@ -95,7 +96,10 @@ def reconsidered(explanation: Explanation, best: Choice) -> list[Fit]:
 
 
 def beside(fit: Fit, carrier: np.ndarray | None = None) -> Beside:
-    """The fit beside the likeliest smooth zero, or what wanders in its place times a carrier (n,)."""
+    """The fit beside the likeliest zero that wanders smoothly.
+
+    carrier: (n,) what wanders is multiplied with in each row, where it is no zero.
+    """
     ground = fit.ground
     used, taken = ground.used, followed(fit)
     carrier = np.ones(len(used)) if carrier is None else carrier
@@ -121,7 +125,7 @@ def follows_commands(explanation: Explanation, found: Beside) -> bool:
     if chdtrc(max(freedom, 1), gain) < CHANCE or foretold_share(e)[0]:
         return True
     own = np.linalg.qr(white(taken))[0]
-    families = {k: c for k, c in curves(ground.problem).items() if k not in BY_TIME}
+    families = curves(ground.problem)
     for columns in families.values():
         free = white(columns)
         free = free - own @ (own.T @ free)
@@ -164,9 +168,8 @@ def direction(drive: np.ndarray, width: float) -> np.ndarray:
 def zero_that_wanders(found: Beside, evidence: Evidence) -> NamedPhysics:
     """The drift of a zero that wanders smoothly: the deviation of that."""
     size, unit = found.size, found.fit.ground.problem.around.angle_unit
-    spread = KNOWN_TO * float(np.sqrt(0.5 * ALIKE_OVER / (found.zero.pace * found.fit.ground.count)))
+    apart = found.zero.pace * found.fit.ground.count / ALIKE_OVER
+    spread = KNOWN_TO / float(np.sqrt(2.0 * apart))
     low, high = size * max(1.0 - spread, 0.0), size * (1.0 + spread)
     told = Estimate("deviation", size, low, high, unit)
     return told_as_drift(evidence, told, SAYS.format(size=worded(size), unit=unit))
-
-

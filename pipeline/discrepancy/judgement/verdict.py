@@ -25,7 +25,7 @@ PLAINLY, PLAINLY_OF_PILE = 4.0, 8.0
 UNFOLLOWED = 0.7
 FORM_ERROR = 0.05
 ODDS, BESIDE, RESTLESS, COMMONER = 10.0, 3.0, 7.0, 9.0
-USUAL = 3  # a zero that jitters by 0.3 of the noise, or walks by 0.017 of it from row to row
+USUAL_WALK, USUAL_JITTER = 3, 3  # 0.017 of the noise from row to row; 0.3 of it
 
 
 def intolerable(choice: Choice) -> bool:
@@ -63,7 +63,7 @@ def sure_of_slow(explanation: Explanation, best: Choice) -> Choice:
     if explanation.prior.repeats == 0:
         return best
     slow = [c for c in explanation.choices if c.fit.slow and names(c) - c.fit.slow == others]
-    restless, walk = max(unrest(best)) > USUAL, best.place[2]
+    restless, walk = moves_unusually(best), best.place[2]
     calmer = [c for c in slow if unrest(c) < unrest(best) and (restless or c.place[2] < walk)]
     told = min(calmer, key=lambda c: c.score, default=best)
     within = RESTLESS if restless else BESIDE
@@ -103,10 +103,17 @@ def unless_it_wanders(explanation: Explanation, best: Choice) -> Choice:
 def unslowed(explanation: Explanation, best: Choice) -> Choice:
     """The best choice, or what fits nearly as well by a usual jitter as by its slow names."""
     others = names(best) - best.fit.slow
-    jittering = [c for c in explanation.choices if 0 < c.place[1] <= USUAL and c.place[2] == 0]
+    usual = range(1, USUAL_JITTER + 1)
+    jittering = [c for c in explanation.choices if c.place[1] in usual and c.place[2] == 0]
     rivals = [c for c in jittering if names(c) == others]
     rival = min(rivals, key=lambda c: c.score, default=best)
     return rival if rival.score < best.score + 2.0 * np.log(COMMONER) else best
+
+
+def moves_unusually(choice: Choice) -> bool:
+    """Whether a choice's zero walks or jitters more than a sensor's does."""
+    walk, jitter = unrest(choice)
+    return walk > USUAL_WALK or jitter > USUAL_JITTER
 
 
 def unrest(choice: Choice) -> tuple[int, int]:

@@ -1,0 +1,138 @@
+"""A zero that wanders smoothly is a drift; a gain or play that wanders is none."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.ndimage import gaussian_filter1d
+
+from pipeline.discrepancy.judgement.smooth_wander import (
+    beside,
+    carriers,
+    direction,
+    wandering,
+    zero_that_wanders,
+)
+from pipeline.discrepancy.search.explain import Explanation
+from pipeline.recording import Recording
+from tests.discrepancy.made import (
+    ANGLE,
+    NOISE,
+    STEPS,
+    changed,
+    diagnosed,
+    explained,
+    recorded,
+)
+
+CYCLES = 9
+PLAY = {"backlash": {"width": 4.0}}
+
+
+def wander(seed: int, width: float = 0.15) -> np.ndarray:
+    """What goes smoothly to and fro, of size 1 (RMS); width: over the cycle."""
+    steps = np.random.default_rng(seed).standard_normal(CYCLES * STEPS)
+    smooth = gaussian_filter1d(np.cumsum(steps), width * STEPS, mode="nearest")
+    smooth -= smooth.mean()
+    return smooth / np.std(smooth)
+
+
+def made(hidden: dict, seed: int, size: float, carrier: str = "zero") -> Recording:
+    """A recording in which something wanders by `size` times the noise."""
+    recording = recorded(hidden, cycles=CYCLES, seed=seed)
+    drive = recording.values("pitch_command_deg")
+    place = (drive - drive.mean()) / np.std(drive)
+    carried = {
+        "zero": np.ones(len(drive)),
+        "gain": place,
+        "one side": np.sqrt(2.0) * np.maximum(place, 0.0),
+        "play": direction(place, 0.2),
+    }[carrier]
+    off = size * NOISE * wander(seed) * carried
+    return changed(recording, **{ANGLE: recording.values(ANGLE) + off})
+
+
+@pytest.mark.parametrize("hidden", [{}, PLAY], ids=["alone", "beside play"])
+@pytest.mark.parametrize("seed", [6, 9])
+def test_it_is_named_as_a_drift_with_its_size(hidden, seed):
+    (told,) = diagnosed(made(hidden, seed, 6.0)).diagnoses
+    assert told.verdict == "explained"
+    assert {p.name for p in told.physics} == {"drift", *hidden}
+    (drift,) = (p for p in told.physics if p.name == "drift")
+    (size,) = drift.parameters
+    assert (size.name, size.unit) == ("deviation", "deg")
+    assert size.low < 6.0 * NOISE < size.high
+    assert told.noise == pytest.approx(NOISE, rel=0.1)
+
+
+@pytest.mark.parametrize("carrier", ["gain", "one side", "play"])
+@pytest.mark.parametrize("size", [4.0, 8.0])
+def test_what_wanders_with_the_commands_is_no_drift(carrier, size):
+    (told,) = diagnosed(made({}, 9, size, carrier)).diagnoses
+    assert told.verdict in ("unknown_physics", "partly_explained")
+
+
+@pytest.fixture(scope="module")
+def drifting() -> Explanation:
+    return explained(made(PLAY, 9, 6.0))
+
+
+def test_its_names_are_weighed_anew(drifting):
+    found = wandering(drifting, drifting.choices[0])
+    assert found is not None
+    explanation, zero = found
+    scores = [c.score for c in explanation.choices]
+    assert scores == sorted(scores)
+    assert explanation.choices[0].fit is zero.fit
+    assert zero.fit.names == ("backlash",)
+    assert not any("drift" in c.fit.names for c in explanation.choices)
+    assert zero.size == pytest.approx(6.0 * NOISE, rel=0.2)
+
+
+def test_cycles_have_to_repeat_and_be_as_loud(drifting):
+    best = drifting.choices[0]
+    once = replace(drifting, prior=replace(drifting.prior, repeats=0))
+    assert wandering(once, best) is None
+    model = drifting.prior.model
+    quiet = replace(model, white=0.3 * NOISE, correlated=0.0)
+    assert wandering(replace(drifting, prior=replace(drifting.prior, model=quiet)), best) is None
+
+
+def test_names_that_take_back_what_they_do_are_none(drifting):
+    """Where they leave more than there was without them, a zero hides that they are wrong."""
+    best = next(c for c in drifting.choices if "backlash" in c.fit.names)
+    problem = drifting.problem
+    calm = replace(problem, simulated=best.fit.predicted)
+    ground = replace(best.fit.ground, problem=calm)
+    wrong = replace(best, fit=replace(best.fit, ground=ground))
+    assert wandering(replace(drifting, choices=[wrong]), wrong) is None
+
+
+def test_a_fit_beside_it_has_its_share_refitted(drifting):
+    """What a fit took for gain and offset under another noise goes back to the zero."""
+    base = next(c for c in drifting.choices if not c.fit.pieces)
+    found = beside(base.fit)
+    used = base.fit.ground.used
+    assert not np.any(found.left[~used])
+    steady = np.ones(len(used))
+    before = np.where(used, base.fit.ground.problem.measured - base.fit.predicted, 0.0)
+    assert found.log_likelihood >= found.zero.log_likelihood(before, steady, used)
+
+
+def test_carriers_are_the_same_at_any_scale():
+    drive = np.sin(np.arange(200) / 9.0)
+    for one, other in zip(carriers(drive), carriers(50.0 + 7.0 * drive), strict=True):
+        assert other == pytest.approx(one)
+
+
+def test_the_direction_turns_within_the_width():
+    drive = np.array([0.0, 1.0, 2.0, 1.5, 1.0, 0.0, -1.0])
+    assert direction(drive, 0.5).tolist() == [0.0, 1.0, 1.0, 0.0, -1.0, -1.0, -1.0]
+
+
+def test_it_says_how_far(drifting):
+    _, zero = wandering(drifting, drifting.choices[0])
+    (evidence,) = diagnosed(recorded(PLAY, cycles=CYCLES)).evidence
+    told = zero_that_wanders(zero, evidence)
+    assert (told.name, told.site, told.alternatives) == ("drift", "sensor", ())
+    assert told.says.startswith("The zero wanders smoothly, by about 1.")
