@@ -21,8 +21,8 @@ from tests.discrepancy.made import explained, recorded
 
 DRIFT = Piece(term("drift", "linear"), np.array([0.3]))
 PLAY = Piece(term("backlash"), np.array([4.0]))
-STILL, WALKS, JITTERS = (0, 0, 0), (0, 0, 3), (0, 3, 0)
-WALKS_FAR, LEAPS = (0, 0, 4), (0, 4, 0)
+STILL, WALKS, JITTERS = (0, 0, 0), (0, 0, 3), (0, 4, 0)
+WALKS_FAR, LEAPS = (0, 0, 4), (0, 5, 0)
 
 
 @pytest.fixture(scope="module")

@@ -25,7 +25,7 @@ PLAINLY, PLAINLY_OF_PILE = 4.0, 8.0
 UNFOLLOWED = 0.7
 FORM_ERROR = 0.05
 ODDS, BESIDE, RESTLESS, COMMONER = 10.0, 3.0, 7.0, 9.0
-USUAL_WALK, USUAL_JITTER = 3, 3  # 0.017 of the noise from row to row; 0.3 of it
+USUAL_WALK, USUAL_JITTER = 3, 4  # places: 0.017 of the noise from row to row; 0.6 of it by cycle
 
 
 def intolerable(choice: Choice) -> bool:
