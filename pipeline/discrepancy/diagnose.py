@@ -6,7 +6,7 @@ import numpy as np
 
 from pipeline.discrepancy.judgement.beyond import beyond_its_name
 from pipeline.discrepancy.judgement.cycle_zero import wanders_by_cycle
-from pipeline.discrepancy.judgement.decision import decided
+from pipeline.discrepancy.judgement.decision import Decision, decided
 from pipeline.discrepancy.judgement.faint import without_faint
 from pipeline.discrepancy.judgement.force_rest import left_by, mean_square
 from pipeline.discrepancy.judgement.form import form_note, names_of_form
@@ -53,19 +53,11 @@ def diagnose_measurement(
     decision = decided(problem, explanation)
     explanation, best, structure = decision.explanation, decision.choice, decision.structure
     accurate, wander = decision.accurate, decision.wander
-    family = explanation.search.family
-    covariance = (
-        covariance_of(best.fit) if accurate else wide_covariance(best.fit, best.place, family)
-    )
     hypotheses = hypotheses_of(problem, explanation, best)
-    rivals = tuple(h for h in hypotheses if set(h.names) != set(best.fit.names))
-    model = model_of(measurement, problem, best, covariance, structure.wandering)
-    model = replace(model, rivals=rivals)
-    if not (structure.found or accurate):
-        model = going_on(model, problem, explanation, best)
-    model = replace(model, end=end_of(problem.motion, model.later or model.mechanism))
+    model = corrected(measurement, problem, decision, hypotheses)
     evidence = evidence_of(recording, measurement, problem, explanation, model, hypotheses)
     formal = {} if wander else names_of_form(explanation, best)
+    covariance = known(decision, best) if decision.modelled else model.covariance
     named = named_physics(explanation, best, evidence, structure, covariance)
     if wander is not None:
         named = (*(p for p in named if p.name != Drift.name), zero_that_wanders(wander, evidence))
@@ -100,6 +92,28 @@ def diagnose_measurement(
         ),
     )
     return diagnosis, evidence, model
+
+
+def corrected(
+    measurement: str, problem: Problem, decision: Decision, hypotheses: tuple[Hypothesis, ...]
+) -> CorrectedModel:
+    """The model of what was decided, with the explanations that compete with its names."""
+    best, structure = decision.choice, decision.structure
+    modelled = decision.modelled or best
+    covariance = known(decision, modelled)
+    model = model_of(measurement, problem, modelled, covariance, structure.wandering)
+    rivals = tuple(h for h in hypotheses if set(h.names) != set(best.fit.names))
+    model = replace(model, rivals=rivals)
+    if not (structure.found or decision.accurate):
+        model = going_on(model, problem, decision.explanation, best)
+    return replace(model, end=end_of(problem.motion, model.later or model.mechanism))
+
+
+def known(decision: Decision, choice: Choice) -> np.ndarray:
+    """Covariance of a choice's parameters, beside the noise that it may have."""
+    if decision.accurate:
+        return covariance_of(choice.fit)
+    return wide_covariance(choice.fit, choice.place, decision.explanation.search.family)
 
 
 def reported_noise(

@@ -34,7 +34,8 @@ from pipeline.discrepancy.search.accuracy import (
 from pipeline.discrepancy.search.disguise import undisguised
 from pipeline.discrepancy.search.explain import Explanation
 from pipeline.discrepancy.search.foretold import foretold_part, testable
-from pipeline.discrepancy.search.weighing import Choice
+from pipeline.discrepancy.search.weighing import Choice, names
+from pipeline.physics.drift import Drift
 
 
 @dataclass(frozen=True)
@@ -42,7 +43,8 @@ class Decision:
     """What stays of an explanation's best choice and the structured rest.
 
     accurate: whether the simulation's declared accuracy decided. wander: the zero that wanders
-    smoothly, where that is all the rest; the explanation is the one beside it then.
+    smoothly, where that is all the rest; the explanation is the one beside it then. modelled: the
+    choice that the corrected simulation follows, where another one tells the names.
     """
 
     explanation: Explanation
@@ -50,6 +52,7 @@ class Decision:
     structure: Structure
     accurate: bool = False
     wander: Beside | None = None
+    modelled: Choice | None = None
 
 
 def decided(problem: Problem, explanation: Explanation) -> Decision:
@@ -92,7 +95,7 @@ def decided(problem: Problem, explanation: Explanation) -> Decision:
 def beside_a_wander(problem: Problem, explanation: Explanation, best: Choice) -> Decision | None:
     """The decision where all that is left is a zero that wanders smoothly, also in held-out rows.
 
-    In each cycle it begins somewhere else.
+    In each cycle it begins somewhere else. A course of it that was found stays in the model.
     """
     found = wandering(explanation, best)
     if found is None:
@@ -103,7 +106,9 @@ def beside_a_wander(problem: Problem, explanation: Explanation, best: Choice) ->
     off = about_each_zero(off, problem.cycle, counted & np.isfinite(off))
     if refuted(problem, off, counted):
         return None
-    return Decision(explanation, choice, Structure(False, None, 0.0, 1.0), wander=beside)
+    modelled = best if names(best) - names(choice) == {Drift.name} else None
+    none = Structure(False, None, 0.0, 1.0)
+    return Decision(explanation, choice, none, wander=beside, modelled=modelled)
 
 
 def by_repeats(
