@@ -8,6 +8,7 @@ from pipeline.physics.term import Parameter, Surroundings, Term
 
 SPEEDS = 8
 JUMP, RARE = 0.05, 0.2
+NO_FASTER = "a top speed, which no lag has: what is slower arrives in time"
 
 
 class SlewingMotor(Term):
@@ -25,6 +26,7 @@ class SlewingMotor(Term):
     group = "lag"
     timed = True
     before_curve = True
+    beyond_lone = NO_FASTER
     says = (
         "The motor comes late, with a time constant of {time_constant}, and is never faster than "
         "{top_speed}."

@@ -133,6 +133,7 @@ class Term:
     goes_by: the other command that what bends a curve goes by, too; "" of one static curve.
     beyond: what its form says that the catalogue has no name for; "" where its name says all.
     beyond_alone: the same of a form that its name covers beside another of it, or where it ties.
+    beyond_lone: the same of a form that its name covers beside any other name.
     unlikely: how much less likely than others it is in its form, in -2 log odds.
     also: names that tell what this form does as well as its own; also_on_both: where it stands on
     both sides.
@@ -160,6 +161,7 @@ class Term:
     unlikely: float = 0.0
     beyond: str = ""
     beyond_alone: str = ""
+    beyond_lone: str = ""
     goes_by: str = ""
     only_beside: str = ""
     own_law: bool = False

@@ -4,7 +4,7 @@ import numpy as np
 
 from pipeline.physics.held import STEP_AND_WAIT_S, followed
 from pipeline.physics.motion import Motion
-from pipeline.physics.slewing_motor import speed_parameter, speeds_of_steps
+from pipeline.physics.slewing_motor import NO_FASTER, speed_parameter, speeds_of_steps
 from pipeline.physics.term import Parameter, Surroundings, Term
 
 SOME, SLOWER, FARTHER = (0.3, 0.5, 0.7, 0.85, 0.95), 0.97, 1.2
@@ -24,6 +24,7 @@ class TopSpeed(Term):
     group = "lag"
     timed = True
     before_curve = True
+    beyond_lone = NO_FASTER
     form = "top speed"
     says = "The motor is never faster than {top_speed}: at larger steps it does not arrive."
 

@@ -9,6 +9,7 @@ from scipy.ndimage import gaussian_filter1d
 from pipeline.physics.catalogue import term
 from pipeline.physics.held import slewed
 from pipeline.physics.motion import Motion
+from pipeline.physics.slewing_motor import NO_FASTER
 from pipeline.recording import Recording
 from tests.discrepancy.made import ANGLE, CHANNELS, SIMULATED, diagnosed, followed, names, value_of
 
@@ -50,6 +51,21 @@ def test_a_servo_that_can_go_no_faster_is_late_by_that_and_nothing_else():
     assert names(found) == {"response_lag"}
     assert found.diagnoses[0].after.heldout_rmse < 1.1 * NOISE
     assert abs(value_of(found, "response_lag", "top_speed").value - 60.0) < 1.0
+    # No lag has a top speed: by itself it is more than the name says.
+    assert found.diagnoses[0].verdict == "partly_explained"
+    assert found.diagnoses[0].unexplained.where == NO_FASTER
+
+
+def test_beside_other_names_a_servo_s_top_speed_is_part_of_how_late_it_is():
+    recording = servo("coasting")
+    samples = recording.samples
+    drive = samples["pitch_command_deg"].to_numpy(float)
+    at = slewed(drive, np.full(len(drive), STEP_S), 0.03, 60.0, drive[0])
+    noise = NOISE * np.random.default_rng(4).standard_normal(len(drive))
+    seen = at + 0.3 * np.sin(2.0 * np.pi * at / 7.0) + noise
+    found = diagnosed(replace(recording, samples=samples.assign(**{ANGLE: seen})))
+    assert names(found) == {"response_lag", "transmission_ripple"}
+    assert found.diagnoses[0].verdict == "explained"
 
 
 def test_play_with_a_load_that_coasts_is_backlash_and_nothing_else():

@@ -13,6 +13,8 @@ from pipeline.discrepancy.search.weighing import Choice
 from pipeline.physics.catalogue import term
 from pipeline.physics.mechanism import Piece
 
+PART = 0.01
+
 
 def beyond_its_name(
     explanation: Explanation, choice: Choice, physics: Sequence[NamedPhysics]
@@ -20,7 +22,8 @@ def beyond_its_name(
     """What of the mismatch is in a form that says more than its name; None where none does.
 
     Its share of the mismatch, and how likely it is by chance (likelihood ratio), against the plain
-    form of the same name, refitted beside the rest.
+    form of the same name, refitted beside the rest. What a name covers beside others, but not by
+    itself, must be PART of the mismatch.
     """
     fit, others = choice.fit, explanation.problem.motion.others
     tied = {p.name for p in physics if p.alternatives}
@@ -28,7 +31,8 @@ def beyond_its_name(
         says = piece.term.beyond
         if fit.names.count(piece.term.name) == 1 and piece.term.name not in tied:
             says = says or piece.term.beyond_alone
-        if not says:
+        lone = "" if says or len(physics) > 1 else piece.term.beyond_lone
+        if not (says or lone):
             continue
         plain = term(piece.term.name, piece.term.said_by_name, others)
         free = len(fit.ground.box(plain).parameters)
@@ -40,5 +44,6 @@ def beyond_its_name(
         share = float(np.clip(off / mismatch_variance(explanation), 0.0, 1.0))
         gain = max(other.cost - fit.cost, 0.0)
         p_value = float(chdtrc(len(piece.values) - free, gain))
-        return Structure(True, says, share, p_value)
+        if says or share > PART:
+            return Structure(True, says or lone, share, p_value)
     return None
