@@ -10,7 +10,7 @@ from pipeline.discrepancy.judgement.decision import Decision, decided
 from pipeline.discrepancy.judgement.faint import without_faint
 from pipeline.discrepancy.judgement.force_rest import left_by, mean_square
 from pipeline.discrepancy.judgement.form import form_note, names_of_form
-from pipeline.discrepancy.judgement.named import named_physics, verdict_of
+from pipeline.discrepancy.judgement.named import named_physics, verdict_of, without_name
 from pipeline.discrepancy.judgement.notes import accuracy_note, notes, smooth_error
 from pipeline.discrepancy.judgement.refit import likeliest, refitted
 from pipeline.discrepancy.judgement.rivals import hypotheses_of, mechanism_of
@@ -88,6 +88,7 @@ def diagnose_measurement(
         notes=(
             *(accuracy_note(explanation, best) if accurate else ()),
             *form_note(formal),
+            *without_name(best),
             *notes(problem, explanation, best, evidence, every),
         ),
     )

@@ -50,6 +50,7 @@ from pipeline.physics.sheath_stretch import SheathStretch
 from pipeline.physics.single_bump import SingleBump
 from pipeline.physics.slack import Slack
 from pipeline.physics.smooth_drift import SmoothDrift
+from pipeline.physics.snapping_joint import SnappingJoint
 from pipeline.physics.soft_wire import SoftWire
 from pipeline.physics.softer_side import SofterSide
 from pipeline.physics.steady_drift import SteadyDrift
@@ -89,7 +90,7 @@ WORN, QUEUE = WornPlay(), QueuedFrames()
 LOSSY_SIDES = tuple(Contact(f"{side} {LOSSY}") for side in SIDES)
 ODD = (
     SingleBump(), LongRipple(), LongOffCentreRipple(), YieldingWire(), ActivatedCreep(),
-    SmoothDrift(), RunningClock(), *LOSSY_SIDES,
+    SmoothDrift(), RunningClock(), SnappingJoint(), *LOSSY_SIDES,
 )  # fmt: skip
 ONE_LATE = (ResponseLag(), Creep(), SecondOrderLag("second"), SecondOrderLag("motor"))
 RECURRING = (RecurringSlip("every top"), RecurringSlip("every bottom"))

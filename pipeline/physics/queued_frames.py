@@ -53,7 +53,7 @@ class QueuedFrames(Term):
         longest = int(np.ceil(rise * (floor + 1.0)))
         return seen, np.concatenate([[count + len(signal)], poses[max(len(poses) - longest, 0) :]])
 
-    def leaps(self, motion: Motion, values: np.ndarray) -> np.ndarray:
+    def leaps(self, motion: Motion, angle: np.ndarray, values: np.ndarray) -> np.ndarray:
         late = late_by(np.arange(-1, len(motion) + 1), values)
         emptied = np.diff(late) < 0
         return emptied[:-1] | emptied[1:]

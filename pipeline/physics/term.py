@@ -134,6 +134,7 @@ class Term:
     beyond: what its form says that the catalogue has no name for; "" where its name says all.
     beyond_alone: the same of a form that its name covers beside another of it, or where it ties.
     beyond_lone: the same of a form that its name covers beside any other name.
+    nameless: whether no name of the catalogue is its own, and it is told in words only.
     unlikely: how much less likely than others it is in its form, in -2 log odds.
     also: names that tell what this form does as well as its own; also_on_both: where it stands on
     both sides.
@@ -162,6 +163,7 @@ class Term:
     beyond: str = ""
     beyond_alone: str = ""
     beyond_lone: str = ""
+    nameless: bool = False
     goes_by: str = ""
     only_beside: str = ""
     own_law: bool = False
@@ -246,8 +248,10 @@ class Term:
         """Parameters of about `factor` times what a scanned form has beyond a plainer one."""
         return values
 
-    def leaps(self, motion: Motion, values: np.ndarray) -> np.ndarray:
+    def leaps(self, motion: Motion, angle: np.ndarray, values: np.ndarray) -> np.ndarray:
         """Samples (n,) at which it leaps to another state by itself, which a fit dates to a sample.
+
+        angle: (n,) the joint's, in balance.
 
         What stands off there says when it did, and not that the sample was mistaken.
         """

@@ -6,9 +6,11 @@ import pytest
 from pipeline.discrepancy.judgement.hum import hum
 from pipeline.discrepancy.judgement.structure import JERKS, SWINGS
 from pipeline.physics.kinematics import CubicCurve
+from pipeline.physics.motion import Motion
 from pipeline.physics.play_operator import play, varying_play
 from pipeline.physics.running_clock import RunningClock
 from pipeline.physics.single_bump import SingleBump
+from pipeline.physics.snapping_joint import SnappingJoint
 from pipeline.physics.worn_play import WornPlay
 from pipeline.physics.yielding_wire import YieldingWire
 from pipeline.recording import Recording
@@ -62,6 +64,46 @@ def test_play_of_one_width_is_no_more_than_that():
     result = diagnosed(moved(play(command, 2.0, command[0])))
     assert result.diagnoses[0].verdict == "explained"
     assert names(result) == {"backlash"}
+
+
+def relay(signal: np.ndarray, lower: float, upper: float) -> np.ndarray:
+    """-1 or 1: at 1 from where the signal rises above `upper` to where it falls below `lower`."""
+    out, at = np.empty(len(signal)), -1.0
+    for i, value in enumerate(signal):
+        at = 1.0 if value > upper else -1.0 if value < lower else at
+        out[i] = at
+    return out
+
+
+@pytest.mark.parametrize("height", [1.2, -2.5])
+@pytest.mark.parametrize("hidden", [{}, {"creep": {}}], ids=["alone", "beside creep"])
+def test_a_joint_that_snaps_has_no_name_but_a_place_and_a_size(hidden, height):
+    recording = recorded(hidden, seed=2)
+    snaps = 0.5 * height * relay(recording.values(SIMULATED), -12.0, 9.0)
+    result = diagnosed(changed(recording, **{ANGLE: recording.values(ANGLE) + snaps}))
+    (found,) = result.diagnoses
+    assert names(result) == set(hidden)
+    assert found.verdict == ("partly_explained" if hidden else "unknown_physics")
+    assert found.unexplained.where == SnappingJoint.beyond
+    assert found.after.heldout_rmse < 1.25 * NOISE < found.before.heldout_rmse
+    way = "ahead" if height > 0 else "back"
+    (said,) = (note for note in found.notes if f"The joint snaps {way} by" in note)
+    assert said.startswith("The corrected simulation follows what the catalogue has no name for")
+
+
+def test_a_snap_is_the_relay_with_what_it_needs_to_go_over():
+    signal = 30.0 * np.sin(np.arange(400) / 23.0)
+    motion = Motion(signal, np.arange(400.0), np.zeros(400, dtype=int), {})
+    values = np.array([3.0, -1.5, 21.0, 1e-3])
+    joint = SnappingJoint()
+    out, state = joint.respond(signal, motion, values, None)
+    assert out - signal == pytest.approx(1.5 * relay(signal, -12.0, 9.0))
+    parts = [joint.respond(signal[:150], motion, values, None)]
+    parts.append(joint.respond(signal[150:], motion, values, parts[0][1]))
+    assert np.concatenate([p[0] for p in parts]) == pytest.approx(out)
+    assert parts[1][1] == pytest.approx(state)
+    moved = np.flatnonzero(np.diff(relay(signal, -12.0, 9.0))) + 1
+    assert set(moved) < set(np.flatnonzero(joint.leaps(motion, signal, values)))
 
 
 @pytest.mark.parametrize("hidden", [{}, {"backlash": {"width": 4.0}}])

@@ -67,13 +67,14 @@ def of_terms(
 ) -> Iterator[NamedPhysics]:
     """What each piece of the best choice is: half as probable where a rest is left unexplained.
 
-    Not how a wire lay at the start. What says more than its name is like no other name.
+    Not how a wire lay at the start, nor what has no name. What says more than its name is like no
+    other name.
     """
     problem, fit = explanation.problem, best.fit
     mopping = structure.found and problem.motion.kinetics is None
     for piece, own in estimates(fit, covariance):
         name = piece.term.name
-        if is_start(fit, piece):
+        if is_start(fit, piece) or piece.term.nameless:
             continue
         stands = standing(name, best, explanation.choices, problem)
         if isinstance(piece.term, Coupling) and fit.names.count(name) > 1:
@@ -89,6 +90,17 @@ def of_terms(
             alternatives=() if piece.term.beyond else stands.alternatives,
             says=says + said_of_surplus(piece) + said_of_ways(piece, ways),
         )
+
+
+def without_name(best: Choice) -> list[str]:
+    """What the corrected simulation follows that has no name, in words."""
+    around = best.fit.ground.problem.around
+    nameless = [p for p in best.fit.pieces if p.term.nameless]
+    return [
+        f"The corrected simulation follows what the catalogue has no name for: "
+        f"{p.term.sentence(stated(best.fit, p), around)}"
+        for p in nameless
+    ]
 
 
 def said_of_surplus(piece: Piece) -> str:

@@ -105,7 +105,7 @@ def leaping(problem: Problem, choice: Choice) -> np.ndarray:
     out = np.zeros(len(problem.motion), dtype=bool)
     if problem.picked is None:
         for piece in choice.fit.pieces:
-            out |= piece.term.leaps(problem.motion, piece.values)
+            out |= piece.term.leaps(problem.motion, choice.fit.trace.body, piece.values)
     return out
 
 

@@ -1,0 +1,87 @@
+"""A joint that snaps from one rest to another, at one place on the way up, at a lower one down."""
+
+import numpy as np
+
+from pipeline.number_words import worded
+from pipeline.physics.friction import Friction
+from pipeline.physics.motion import Motion
+from pipeline.physics.play_operator import varying_play
+from pipeline.physics.term import Parameter, Surroundings, Term
+
+UNUSUAL = 6.0
+MIDDLES, APARTS = (0.2, 0.35, 0.5, 0.65, 0.8), (0.05, 0.15, 0.3, 0.5, 0.75)
+OVER, SHARPEST, WIDEST = 0.06, 0.002, 0.1
+
+
+def snapped(signal: np.ndarray, values: np.ndarray, start: float) -> np.ndarray:
+    """The relay's course (n,), from -1 to 1, under a signal (n,), from where it starts."""
+    _, middle, apart, over = values
+    upper, lower = middle + 0.5 * apart, middle - 0.5 * apart
+    least = 2.0 * np.clip((signal - upper) / over, 0.0, 1.0) - 1.0
+    most = 2.0 * np.clip((signal - lower) / over + 1.0, 0.0, 1.0) - 1.0
+    return np.asarray(varying_play(0.5 * (least + most), 0.5 * (most - least), start))
+
+
+class SnappingJoint(Term):
+    """x = u + height r(u) / 2: a relay r that goes from -1 to 1 above `upper`, back below `lower`.
+
+    It is at 1 `over` beyond the upper place, and at -1 as far below the lower one; between the two
+    it stays as it is, at first at -1. The catalogue has no name for it: it stands where friction
+    does. Source: the relay, or hysteron, of Preisach's model (Mayergoyz, Mathematical Models of
+    Hysteresis (1991), section 1.1); of a bistable joint, snap-through.
+    """
+
+    name = Friction.name
+    form = "snapping"
+    site = Friction.site
+    place = 100.0
+    remembers = "way"
+    unlikely = UNUSUAL
+    nameless = True
+    beyond = "a snap from one rest to another, at two places"
+    says = "The joint snaps by {height}."
+
+    def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
+        span, low, unit = around.angle_span, around.angle_low, around.angle_unit
+        return (
+            Parameter("height", unit, -0.4 * span, 0.4 * span, 0.03 * span, 0.03 * span),
+            Parameter("middle", unit, low, low + span, low + 0.5 * span, 0.0),
+            Parameter("apart", unit, 0.0, 0.95 * span, 0.3 * span, 0.0),
+            Parameter("over", unit, SHARPEST * span, WIDEST * span, OVER * span, 0.0, weak=True),
+        )
+
+    def respond(
+        self, signal: np.ndarray, motion: Motion, values: np.ndarray, state: np.ndarray | None
+    ) -> tuple[np.ndarray, np.ndarray]:
+        at = snapped(signal, values, -1.0 if state is None else float(state[0]))
+        return signal + 0.5 * values[0] * at, at[-1:].copy()
+
+    def leaps(self, motion: Motion, angle: np.ndarray, values: np.ndarray) -> np.ndarray:
+        """Where it snaps, and the samples next to it: how far it had come by then says nothing."""
+        moves = np.diff(snapped(angle, values, -1.0), prepend=-1.0) != 0.0
+        moves[0] = False
+        near = np.append(moves[1:], False)
+        return np.asarray(moves | near | np.append(False, moves[:-1]))
+
+    def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
+        span, low = around.angle_span, around.angle_low
+        return np.array(
+            [
+                [0.03 * span, low + middle * span, apart * span, OVER * span]
+                for middle in MIDDLES
+                for apart in APARTS
+                if 0.5 * apart < min(middle, 1.0 - middle) - OVER
+            ]
+        )
+
+    def excited(self, motion: Motion, around: Surroundings) -> bool:
+        return around.spacing < OVER * around.drive_span
+
+    def sentence(self, values: np.ndarray, around: Surroundings) -> str:
+        height, middle, apart, _ = values
+        unit, way = around.angle_unit, "ahead" if height > 0.0 else "back"
+        return (
+            f"The joint snaps {way} by {worded(abs(height))} {unit} where it rises beyond "
+            f"{worded(middle + 0.5 * apart)} {unit}, and returns below "
+            f"{worded(middle - 0.5 * apart)} {unit}."
+        )
