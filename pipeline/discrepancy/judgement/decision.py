@@ -66,10 +66,10 @@ def decided(problem: Problem, explanation: Explanation) -> Decision:
         none = Structure(False, None, structure.share, structure.p_value)
         return Decision(explanation, alone, none, accurate=True)
     absurd = absurd_calibration(best.fit)
-    sound = absurd is None and follows(explanation, best) and not cancelling(best)
-    if not follows(explanation, best):
+    lost, undone = not follows(explanation, best), cancelling(best)
+    if lost:
         structure, best = replace(structure, found=True, where="everywhere"), base
-    elif cancelling(best):
+    elif undone:
         structure, best = replace(structure, found=True, where=CANCELLED), base
     elif absurd is not None:
         structure = replace(structure, found=True, where=absurd)
@@ -84,6 +84,7 @@ def decided(problem: Problem, explanation: Explanation) -> Decision:
         structure = replace(structure, found=where is not None, where=where or structure.where)
     if not structure.found:
         return Decision(explanation, best, structure)
+    sound = absurd is None and not (lost or undone)
     wandered = beside_a_wander(problem, explanation, told) if sound else None
     if wandered is not None:
         return wandered

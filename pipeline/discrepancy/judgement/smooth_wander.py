@@ -13,6 +13,7 @@ from pipeline.discrepancy.judgement.recurrence import foretold_share
 from pipeline.discrepancy.judgement.rest import curves, followed
 from pipeline.discrepancy.judgement.structure import CHANCE, SMALLEST_SIZE
 from pipeline.discrepancy.model.result import Estimate, Evidence, NamedPhysics
+from pipeline.discrepancy.noise.learning import NoisePrior
 from pipeline.discrepancy.noise.smooth_zero import SmoothZero, likeliest_zero
 from pipeline.discrepancy.search.explain import Explanation
 from pipeline.discrepancy.search.refuted import SURELY, shared
@@ -64,19 +65,26 @@ def wandering(explanation: Explanation, best: Choice) -> tuple[Explanation, Besi
     problem, prior = explanation.problem, explanation.prior
     if problem.derivatives is not None or prior.repeats == 0:
         return None
-    found = [beside(fit) for fit in reconsidered(explanation, best)]
-    choices = [Choice(b.fit, best.place, b.score) for b in found]
-    first = min(range(len(found)), key=lambda k: found[k].score)
-    told = found[first]
-    rows = len(problem.cycle) / len(np.unique(problem.cycle))
-    far = np.var(told.left[told.fit.ground.used]) > FAR * told.zero.deviation**2
-    louder = np.log(told.zero.deviation / prior.model.deviation) > SURELY * prior.sure
-    slow = told.zero.pace * rows < FASTEST_PACE
-    if louder or not (far and slow and leaves_less(choices[first])):
+    first, *others = reconsidered(explanation, best)
+    begun = beside(first)
+    if not may_wander(begun, prior):
+        return None
+    found = sorted([begun, *map(beside, others)], key=lambda b: b.score)
+    choices, told = [Choice(b.fit, best.place, b.score) for b in found], found[0]
+    if not (may_wander(told, prior) and leaves_less(choices[0])):
         return None
     if follows_commands(explanation, told) or not is_zero(told):
         return None
-    return replace(explanation, choices=sorted(choices, key=lambda c: c.score)), told
+    return replace(explanation, choices=choices), told
+
+
+def may_wander(found: Beside, prior: NoisePrior) -> bool:
+    """Whether what is left may be such a zero: far beyond the noise, slow, on no louder noise."""
+    ground = found.fit.ground
+    rows = len(ground.used) / len(np.unique(ground.problem.cycle))
+    far = np.var(found.left[ground.used]) > FAR * found.zero.deviation**2
+    louder = np.log(found.zero.deviation / prior.model.deviation) > SURELY * prior.sure
+    return bool(far and found.zero.pace * rows < FASTEST_PACE and not louder)
 
 
 def reconsidered(explanation: Explanation, best: Choice) -> list[Fit]:
@@ -86,7 +94,7 @@ def reconsidered(explanation: Explanation, best: Choice) -> list[Fit]:
     for choice in likely:
         pieces = choice.fit.pieces
         steady = [p for p in pieces if p.term.name != Drift.name]
-        for rest in (steady, [p for p in steady if not p.term.slow]):
+        for rest in ([p for p in steady if not p.term.slow], steady):
             told = frozenset(p.term.name for p in rest)
             if told not in found and len(found) < MOST_SETS:
                 found[told] = improve(evaluate(choice.fit.ground, rest))
@@ -125,8 +133,8 @@ def follows_commands(explanation: Explanation, found: Beside) -> bool:
     if chdtrc(max(freedom, 1), gain) < CHANCE or foretold_share(e)[0]:
         return True
     own = np.linalg.qr(white(taken))[0]
-    families = curves(ground.problem)
-    for columns in families.values():
+    families = curves(ground.problem).values()
+    for columns in families:
         free = white(columns)
         free = free - own @ (own.T @ free)
         basis, sizes, _ = np.linalg.svd(free, full_matrices=False)
