@@ -25,7 +25,7 @@ SAYS = "The zero wanders smoothly, by about {size} {unit}: no command foretells 
 FAR = 4.0  # variance of what is left, over that of the noise beside the wander
 LEAD = 15.0  # log likelihood of a zero over all else that may wander
 FASTEST_PACE, MOST_SETS = 12.0, 10  # per cycle
-PLAYS, PIVOTS = (0.02, 0.05, 0.1, 0.25), (0.0, 0.5, 1.0)
+PLAYS, PIVOTS = (0.02, 0.05, 0.1, 0.25), (-0.25, 1.25, 0.0, 0.25, 0.5, 0.75, 1.0)  # of the range
 KNOWN_TO = 1.96
 ALIKE_OVER = 2.5  # over the pace: so many rows of a smooth zero say one thing of its variance
 
@@ -147,7 +147,11 @@ def follows_commands(explanation: Explanation, found: Beside) -> bool:
 
 
 def is_zero(found: Beside) -> bool:
-    """Whether a zero is surely likelier to wander than a gain, about any pivot, or play."""
+    """Whether a zero is surely likelier to wander than a gain or play.
+
+    The gain about any pivot, also a quarter of the range beyond it, which moves one end five times
+    as far as the other.
+    """
     least = found.log_likelihood - LEAD
     others = carriers(found.fit.ground.problem.motion.drive)
     return all(beside(found.fit, c).log_likelihood < least for c in others)
