@@ -40,30 +40,32 @@ def servo(form: str = "coasting", swing: tuple[float, ...] = ()) -> Recording:
     return Recording(samples, CHANNELS, "simulated")
 
 
-def test_a_servo_that_can_go_no_faster_is_late_by_that_and_nothing_else():
-    """Sines that run smoothly, the larger ones faster than the servo's 60 deg/s."""
+def capped() -> tuple[Recording, np.ndarray]:
+    """Sines that run smoothly, the larger ones faster than a servo's 60 deg/s, and where it is."""
     recording = servo("coasting")
-    samples = recording.samples
-    drive = samples["pitch_command_deg"].to_numpy(float)
-    at = slewed(drive, np.full(len(drive), STEP_S), 0.03, 60.0, drive[0])
-    noise = NOISE * np.random.default_rng(4).standard_normal(len(drive))
-    found = diagnosed(replace(recording, samples=samples.assign(**{ANGLE: at + noise})))
+    drive = recording.samples["pitch_command_deg"].to_numpy(float)
+    return recording, slewed(drive, np.full(len(drive), STEP_S), 0.03, 60.0, drive[0])
+
+
+def seen(recording: Recording, angle: np.ndarray) -> Recording:
+    """The recording with another angle (n,), and noise."""
+    noise = NOISE * np.random.default_rng(4).standard_normal(len(angle))
+    return replace(recording, samples=recording.samples.assign(**{ANGLE: angle + noise}))
+
+
+def test_a_servo_that_can_go_no_faster_is_late_by_that_and_nothing_else():
+    """No lag has a top speed: by itself it is more than the name says."""
+    found = diagnosed(seen(*capped()))
     assert names(found) == {"response_lag"}
     assert found.diagnoses[0].after.heldout_rmse < 1.1 * NOISE
     assert abs(value_of(found, "response_lag", "top_speed").value - 60.0) < 1.0
-    # No lag has a top speed: by itself it is more than the name says.
     assert found.diagnoses[0].verdict == "partly_explained"
     assert found.diagnoses[0].unexplained.where == NO_FASTER
 
 
 def test_beside_other_names_a_servo_s_top_speed_is_part_of_how_late_it_is():
-    recording = servo("coasting")
-    samples = recording.samples
-    drive = samples["pitch_command_deg"].to_numpy(float)
-    at = slewed(drive, np.full(len(drive), STEP_S), 0.03, 60.0, drive[0])
-    noise = NOISE * np.random.default_rng(4).standard_normal(len(drive))
-    seen = at + 0.3 * np.sin(2.0 * np.pi * at / 7.0) + noise
-    found = diagnosed(replace(recording, samples=samples.assign(**{ANGLE: seen})))
+    recording, at = capped()
+    found = diagnosed(seen(recording, at + 0.3 * np.sin(2.0 * np.pi * at / 7.0)))
     assert names(found) == {"response_lag", "transmission_ripple"}
     assert found.diagnoses[0].verdict == "explained"
 

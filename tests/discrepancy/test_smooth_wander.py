@@ -46,6 +46,7 @@ def made(hidden: dict, seed: int, size: float, carrier: str = "zero") -> Recordi
         "zero": np.ones(len(drive)),
         "gain": place,
         "one side": np.sqrt(2.0) * np.maximum(place, 0.0),
+        "beyond an end": (place + 2.2) / np.sqrt(1.0 + 2.2**2),
         "play": direction(place, 0.2),
     }[carrier]
     off = size * NOISE * wander(seed) * carried
@@ -65,7 +66,7 @@ def test_it_is_named_as_a_drift_with_its_size(hidden, seed):
     assert told.noise == pytest.approx(NOISE, rel=0.1)
 
 
-@pytest.mark.parametrize("carrier", ["gain", "one side", "play"])
+@pytest.mark.parametrize("carrier", ["gain", "one side", "beyond an end", "play"])
 @pytest.mark.parametrize("size", [4.0, 8.0])
 def test_what_wanders_with_the_commands_is_no_drift(carrier, size):
     (told,) = diagnosed(made({}, 9, size, carrier)).diagnoses
