@@ -1,5 +1,7 @@
 """A joint that snaps from one rest to another, at one place on the way up, at a lower one down."""
 
+from typing import ClassVar
+
 import numpy as np
 
 from pipeline.number_words import worded
@@ -8,14 +10,14 @@ from pipeline.physics.motion import Motion
 from pipeline.physics.play_operator import varying_play
 from pipeline.physics.term import Parameter, Surroundings, Term
 
-UNUSUAL = 6.0
+UNUSUAL, BENT = 6.0, "snapping bent"
 MIDDLES, APARTS = (0.2, 0.35, 0.5, 0.65, 0.8), (0.05, 0.15, 0.3, 0.5, 0.75)
 OVER, SHARPEST, WIDEST = 0.06, 0.002, 0.1
 
 
 def snapped(signal: np.ndarray, values: np.ndarray, start: float) -> np.ndarray:
     """The relay's course (n,), from -1 to 1, under a signal (n,), from where it starts."""
-    _, middle, apart, over = values
+    middle, apart, over = values[1:4]
     upper, lower = middle + 0.5 * apart, middle - 0.5 * apart
     least = 2.0 * np.clip((signal - upper) / over, 0.0, 1.0) - 1.0
     most = 2.0 * np.clip((signal - lower) / over + 1.0, 0.0, 1.0) - 1.0
@@ -23,16 +25,19 @@ def snapped(signal: np.ndarray, values: np.ndarray, start: float) -> np.ndarray:
 
 
 class SnappingJoint(Term):
-    """x = u + height r(u) / 2: a relay r that goes from -1 to 1 above `upper`, back below `lower`.
+    """x = u + h(u) r: a relay r that goes from 0 to 1 above an upper place, back below a lower one.
 
-    It is at 1 `over` beyond the upper place, and at -1 as far below the lower one; between the two
-    it stays as it is, at first at -1. The catalogue has no name for it: it stands where friction
+    They lie `apart`, round `middle`. It is at 1 `over` beyond the upper place, and at 0 as far
+    below the lower one; between the two it stays as it is, at first at 0. h is `height`, in form
+    "bent" height (1 + lean z + bend z^2), z = u - middle: each rest has a curve of its own. The
+    catalogue has no name for it: it stands where friction
     does. Source: the relay, or hysteron, of Preisach's model (Mayergoyz, Mathematical Models of
     Hysteresis (1991), section 1.1); of a bistable joint, snap-through.
     """
 
     name = Friction.name
     form = "snapping"
+    grows: ClassVar = {"snapping": (BENT,)}
     site = Friction.site
     place = 100.0
     remembers = "way"
@@ -43,18 +48,29 @@ class SnappingJoint(Term):
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
         span, low, unit = around.angle_span, around.angle_low, around.angle_unit
-        return (
+        own = (
             Parameter("height", unit, -0.4 * span, 0.4 * span, 0.03 * span, 0.03 * span),
             Parameter("middle", unit, low, low + span, low + 0.5 * span, 0.0),
             Parameter("apart", unit, 0.0, 0.95 * span, 0.3 * span, 0.0),
             Parameter("over", unit, SHARPEST * span, WIDEST * span, OVER * span, 0.0, weak=True),
+        )
+        if self.form != BENT:
+            return own
+        lean, bend = 2.0 / span, 8.0 / span**2
+        return (
+            *own,
+            Parameter("lean", f"1/{unit}", -lean, lean, 0.0, 0.3 * lean),
+            Parameter("bend", f"1/{unit}^2", -bend, bend, 0.0, 0.3 * bend),
         )
 
     def respond(
         self, signal: np.ndarray, motion: Motion, values: np.ndarray, state: np.ndarray | None
     ) -> tuple[np.ndarray, np.ndarray]:
         at = snapped(signal, values, -1.0 if state is None else float(state[0]))
-        return signal + 0.5 * values[0] * at, at[-1:].copy()
+        height, middle = values[:2]
+        lean, bend = values[4:] if self.form == BENT else (0.0, 0.0)
+        z = signal - middle
+        return signal + 0.5 * height * (1.0 + (lean + bend * z) * z) * (at + 1.0), at[-1:].copy()
 
     def leaps(self, motion: Motion, angle: np.ndarray, values: np.ndarray) -> np.ndarray:
         """Where it snaps, and the samples next to it: how far it had come by then says nothing."""
@@ -65,9 +81,10 @@ class SnappingJoint(Term):
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
         span, low = around.angle_span, around.angle_low
+        even = [0.0, 0.0] if self.form == BENT else []
         return np.array(
             [
-                [0.03 * span, low + middle * span, apart * span, OVER * span]
+                [0.03 * span, low + middle * span, apart * span, OVER * span, *even]
                 for middle in MIDDLES
                 for apart in APARTS
                 if 0.5 * apart < min(middle, 1.0 - middle) - OVER
@@ -78,7 +95,7 @@ class SnappingJoint(Term):
         return around.spacing < OVER * around.drive_span
 
     def sentence(self, values: np.ndarray, around: Surroundings) -> str:
-        height, middle, apart, _ = values
+        height, middle, apart = values[:3]
         unit, way = around.angle_unit, "ahead" if height > 0.0 else "back"
         return (
             f"The joint snaps {way} by {worded(abs(height))} {unit} where it rises beyond "

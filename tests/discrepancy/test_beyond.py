@@ -97,7 +97,7 @@ def test_a_snap_is_the_relay_with_what_it_needs_to_go_over():
     values = np.array([3.0, -1.5, 21.0, 1e-3])
     joint = SnappingJoint()
     out, state = joint.respond(signal, motion, values, None)
-    assert out - signal == pytest.approx(1.5 * relay(signal, -12.0, 9.0))
+    assert out - signal == pytest.approx(1.5 * relay(signal, -12.0, 9.0) + 1.5)
     parts = [joint.respond(signal[:150], motion, values, None)]
     parts.append(joint.respond(signal[150:], motion, values, parts[0][1]))
     assert np.concatenate([p[0] for p in parts]) == pytest.approx(out)
