@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterable
 
-from pipeline.discrepancy.model.result import Diagnosis, NamedPhysics
+from pipeline.discrepancy.model.result import FOLLOWS, Diagnosis, NamedPhysics
 from pipeline.number_words import LARGEST
 
 TITLES = {
@@ -109,9 +109,11 @@ def error_sentence(diagnosis: Diagnosis) -> str:
     unit, noise = diagnosis.unit, number(diagnosis.noise)
     before, after = (number(e.heldout_rmse) for e in (diagnosis.before, diagnosis.after))
     if not diagnosis.physics:
+        followed = any(note.startswith(FOLLOWS) for note in diagnosis.notes)
+        right = "that is followed" if followed else "gain and offset are right"
         return (
             f"On cycles that nothing was fitted to, the error is {before} {unit}, and {after} "
-            f"{unit} once gain and offset are right; the noise is {noise} {unit}."
+            f"{unit} once {right}; the noise is {noise} {unit}."
         )
     return (
         f"Corrected for that, the error on cycles that nothing was fitted to falls from "

@@ -15,6 +15,7 @@ from pipeline.discrepancy.judgement.proof import BEYOND, HELDOUT
 from pipeline.discrepancy.location.locate import locate
 from pipeline.discrepancy.model.model import Hypothesis
 from pipeline.discrepancy.model.result import (
+    FOLLOWS,
     Calibration,
     Diagnosis,
     Errors,
@@ -211,6 +212,15 @@ def test_names_from_outside_are_no_markup(tmp_path: Path) -> None:
     text = (tmp_path / "report.html").read_text(encoding="utf-8")
     assert "<script>" not in text
     assert "&lt;script&gt;" in text
+
+
+@pytest.mark.parametrize(
+    ("notes", "once"),
+    [((), "once gain and offset are right"), ((f"{FOLLOWS}: it snaps.",), "once that is followed")],
+)
+def test_what_has_no_name_but_is_followed_is_no_matter_of_gain(notes, once) -> None:
+    unknown = replace(diagnosis("unknown_physics"), physics=(), notes=notes)
+    assert once in error_sentence(unknown)
 
 
 @pytest.mark.parametrize(

@@ -18,7 +18,7 @@ from pipeline.discrepancy.judgement.rivals import mechanism_of
 from pipeline.discrepancy.judgement.structure import Structure
 from pipeline.discrepancy.judgement.walking_zero import zero_that_walks
 from pipeline.discrepancy.model.intervals import estimates, stated
-from pipeline.discrepancy.model.result import Evidence, NamedPhysics
+from pipeline.discrepancy.model.result import FOLLOWS, Evidence, NamedPhysics
 from pipeline.discrepancy.search.explain import Explanation
 from pipeline.discrepancy.search.ties import standing
 from pipeline.discrepancy.search.weighing import Choice
@@ -96,11 +96,7 @@ def without_name(best: Choice) -> list[str]:
     """What the corrected simulation follows that has no name, in words."""
     around = best.fit.ground.problem.around
     nameless = [p for p in best.fit.pieces if p.term.nameless]
-    return [
-        f"The corrected simulation follows what the catalogue has no name for: "
-        f"{p.term.sentence(stated(best.fit, p), around)}"
-        for p in nameless
-    ]
+    return [f"{FOLLOWS}: {p.term.sentence(stated(best.fit, p), around)}" for p in nameless]
 
 
 def said_of_surplus(piece: Piece) -> str:

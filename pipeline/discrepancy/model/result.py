@@ -73,6 +73,9 @@ class Calibration:
     smooth_error: float | None = None
 
 
+FOLLOWS = "The corrected simulation follows what the catalogue has no name for"
+
+
 @dataclass(frozen=True)
 class Unexplained:
     """The structured rest: its share of the mismatch's variance, and how likely by chance."""
