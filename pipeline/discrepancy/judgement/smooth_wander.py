@@ -20,6 +20,7 @@ from pipeline.discrepancy.search.refuted import SURELY, shared
 from pipeline.discrepancy.search.weighing import Choice, by_names
 from pipeline.number_words import worded
 from pipeline.physics.drift import Drift
+from pipeline.physics.play_operator import play
 
 SAYS = "The zero wanders smoothly, by about {size} {unit}: no command foretells it."
 FAR = 4.0  # variance of what is left, over that of the noise beside the wander
@@ -170,11 +171,7 @@ def carriers(drive: np.ndarray) -> Iterator[np.ndarray]:
 
 def direction(drive: np.ndarray, width: float) -> np.ndarray:
     """The side (n,), from -1 to 1, at which a command stands in play of +-width round it."""
-    middle, out = drive[0], np.empty(len(drive))
-    for i, value in enumerate(drive):
-        middle = min(max(middle, value - width), value + width)
-        out[i] = (value - middle) / width
-    return out
+    return np.asarray((drive - play(drive, width, float(drive[0]))) / width)
 
 
 def zero_that_wanders(found: Beside, evidence: Evidence) -> NamedPhysics:
