@@ -62,11 +62,9 @@ def diagnose_measurement(
     if wander is not None:
         named = (*(p for p in named if p.name != Drift.name), zero_that_wanders(wander, evidence))
     physics = () if accurate else tuple(p for p in named if p.name not in formal)
-    noise = reported_noise(explanation, best, structure, model)
+    noise = reported_noise(explanation, best, structure, model) if wander is None else wander.noise
     if wanders_by_cycle(best) and any(p.name == Drift.name for p in physics):
         noise = replace(noise, jitter=0.0)
-    if wander is not None:
-        noise = wander.zero.noise
     evidence = replace(evidence, noise=noise)
     before, after = evidence.errors(evidence.before), evidence.errors(evidence.after)
     if not structure.found:

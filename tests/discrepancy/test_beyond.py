@@ -3,9 +3,15 @@
 import numpy as np
 import pytest
 
+from pipeline.discrepancy.fitting.fit import evaluate
+from pipeline.discrepancy.fitting.ground import ground_of
 from pipeline.discrepancy.judgement.hum import hum
 from pipeline.discrepancy.judgement.structure import JERKS, SWINGS
+from pipeline.discrepancy.noise.noise import NoiseModel
+from pipeline.discrepancy.search.counted import leaping
+from pipeline.discrepancy.search.weighing import Choice
 from pipeline.physics.kinematics import CubicCurve
+from pipeline.physics.mechanism import Piece
 from pipeline.physics.motion import Motion
 from pipeline.physics.play_operator import play, varying_play
 from pipeline.physics.running_clock import RunningClock
@@ -22,6 +28,7 @@ from tests.discrepancy.made import (
     diagnosed,
     followed,
     names,
+    posed,
     recorded,
 )
 
@@ -89,6 +96,17 @@ def test_a_joint_that_snaps_has_no_name_but_a_place_and_a_size(hidden, height):
     way = "ahead" if height > 0 else "back"
     (said,) = (note for note in found.notes if f"The joint snaps {way} by" in note)
     assert said.startswith("The corrected simulation follows what the catalogue has no name for")
+
+
+def test_samples_at_a_snap_say_when_it_was_and_not_that_they_are_mistaken():
+    problem = posed(recorded({}))
+    ground = ground_of(problem, NoiseModel(NOISE), problem.train)
+    fit = evaluate(ground, [Piece(SnappingJoint(), np.array([3.0, -1.5, 21.0, 0.2]))])
+    rows = leaping(problem, Choice(fit, (0, 0, 0), 0.0))
+    moved = np.flatnonzero(np.diff(relay(fit.trace.body, -12.0, 9.0))) + 1
+    assert len(moved) > 5
+    assert np.all(rows[moved])
+    assert np.mean(rows) < 0.1
 
 
 def test_a_snap_is_the_relay_with_what_it_needs_to_go_over():

@@ -6,6 +6,7 @@ import numpy as np
 import pandas as pd
 from scipy.ndimage import gaussian_filter1d
 
+from pipeline.discrepancy.judgement import beyond
 from pipeline.physics.catalogue import term
 from pipeline.physics.held import slewed
 from pipeline.physics.motion import Motion
@@ -61,6 +62,11 @@ def test_a_servo_that_can_go_no_faster_is_late_by_that_and_nothing_else():
     assert abs(value_of(found, "response_lag", "top_speed").value - 60.0) < 1.0
     assert found.diagnoses[0].verdict == "partly_explained"
     assert found.diagnoses[0].unexplained.where == NO_FASTER
+
+
+def test_a_top_speed_that_is_hardly_ever_reached_is_part_of_the_lag(monkeypatch):
+    monkeypatch.setattr(beyond, "PART", 1.0)
+    assert diagnosed(seen(*capped())).diagnoses[0].verdict == "explained"
 
 
 def test_beside_other_names_a_servo_s_top_speed_is_part_of_how_late_it_is():

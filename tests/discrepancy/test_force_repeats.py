@@ -8,11 +8,18 @@ import pandas as pd
 import pytest
 
 from pipeline.config import DiagnosisConfig
+from pipeline.discrepancy.fitting.fit import evaluate
+from pipeline.discrepancy.fitting.ground import ground_of
 from pipeline.discrepancy.judgement import cancelling as by_name
 from pipeline.discrepancy.judgement.cancelling import LARGER, cancelling
+from pipeline.discrepancy.noise.noise import NoiseModel
+from pipeline.discrepancy.problem import force_problem
 from pipeline.discrepancy.problem.force_problem import averaged, block_begins
 from pipeline.discrepancy.problem.repeats import driven_again, rows_of_cycles
 from pipeline.discrepancy.search.counted import farthest
+from pipeline.discrepancy.search.force_delay import delay_of
+from pipeline.physics.mechanism import Piece
+from pipeline.physics.viscous_friction import ViscousFriction
 from pipeline.recording import Channel, Recording, with_context
 from pipeline.stages.diagnosis import diagnose, posed
 
@@ -65,6 +72,19 @@ def test_blocks_stay_where_they_were_when_the_motion_is_moved():
     moved, _ = averaged(elsewhere, small.averaged)
     assert moved.averaged.begins.tolist() == small.averaged.begins.tolist()
     assert len(moved.motion) == len(small.motion)
+
+
+def test_a_delay_is_found_in_the_blocks_that_were_fitted(monkeypatch):
+    """Also where the motion, once moved, no longer comes again."""
+    problem = posed(DiagnosisConfig(), bench(0.0), "force_n")
+    small, _ = averaged(problem)
+    ground = ground_of(small, NoiseModel(0.5), small.train)
+    fit = evaluate(ground, [Piece(ViscousFriction(), np.zeros(1))])
+    still = delay_of(problem, fit)
+    monkeypatch.setattr(
+        force_problem, "driven_again", lambda p: [] if p.delay.value else driven_again(p)
+    )
+    assert delay_of(problem, fit) == still
 
 
 def test_blocks_begin_anew_with_each_cycle_of_a_motion_that_comes_again():

@@ -6,10 +6,13 @@ import numpy as np
 import pytest
 from scipy.ndimage import gaussian_filter1d
 
+from pipeline.discrepancy.judgement import decision
 from pipeline.discrepancy.judgement.smooth_wander import (
     beside,
     carriers,
     direction,
+    follows_commands,
+    may_wander,
     wandering,
     zero_that_wanders,
 )
@@ -97,6 +100,34 @@ def test_cycles_have_to_repeat_and_be_as_loud(drifting):
     model = drifting.prior.model
     quiet = replace(model, white=0.3 * NOISE, correlated=0.0)
     assert wandering(replace(drifting, prior=replace(drifting.prior, model=quiet)), best) is None
+
+
+def test_nothing_left_beside_it_may_follow_the_commands(drifting):
+    """Without the play, the loop is left: no zero may take that."""
+    base, play = (
+        next(c for c in drifting.choices if c.fit.names == told) for told in ((), ("backlash",))
+    )
+    assert follows_commands(drifting, beside(base.fit))
+    assert not follows_commands(drifting, beside(play.fit))
+
+
+def test_it_is_far_beyond_the_noise_and_slow(drifting):
+    _, found = wandering(drifting, drifting.choices[0])
+    assert may_wander(found, drifting.prior)
+    quick = replace(found, zero=replace(found.zero, pace=14.0 / STEPS))
+    near = replace(found, left=found.left * 1.5 * NOISE / np.std(found.left))
+    assert not may_wander(quick, drifting.prior)
+    assert not may_wander(near, drifting.prior)
+
+
+def test_held_out_cycles_and_an_absurd_calibration_speak_against_it(drifting, monkeypatch):
+    problem = drifting.problem
+    assert decision.decided(problem, drifting).wander is not None
+    with monkeypatch.context() as patched:
+        patched.setattr(decision, "refuted", lambda *_: True)
+        assert decision.decided(problem, drifting).wander is None
+    monkeypatch.setattr(decision, "absurd_calibration", lambda _: "the gain, which is 3")
+    assert decision.decided(problem, drifting).wander is None
 
 
 def test_names_that_take_back_what_they_do_are_none(drifting):

@@ -12,8 +12,10 @@ from pipeline.discrepancy.judgement.cycle_zero import leaves_less, told_as_drift
 from pipeline.discrepancy.judgement.recurrence import foretold_share
 from pipeline.discrepancy.judgement.rest import curves, followed
 from pipeline.discrepancy.judgement.structure import CHANCE, SMALLEST_SIZE
+from pipeline.discrepancy.model.intervals import DEVIATIONS
 from pipeline.discrepancy.model.result import Estimate, Evidence, NamedPhysics
 from pipeline.discrepancy.noise.learning import NoisePrior
+from pipeline.discrepancy.noise.noise import NoiseModel
 from pipeline.discrepancy.noise.smooth_zero import SmoothZero, likeliest_zero
 from pipeline.discrepancy.search.explain import Explanation
 from pipeline.discrepancy.search.refuted import SURELY, shared
@@ -27,7 +29,6 @@ FAR = 4.0  # variance of what is left, over that of the noise beside the wander
 LEAD = 15.0  # log likelihood of a zero over all else that may wander
 FASTEST_PACE, MOST_SETS = 12.0, 10  # per cycle
 PLAYS, PIVOTS = (0.02, 0.05, 0.1, 0.25), (-0.25, 1.25, 0.0, 0.25, 0.5, 0.75, 1.0)  # of the range
-KNOWN_TO = 1.96
 ALIKE_OVER = 2.5  # over the pace: so many rows of a smooth zero say one thing of its variance
 
 
@@ -47,6 +48,11 @@ class Beside:
     def score(self) -> float:
         """-2 log evidence, as of a choice."""
         return complexity(self.fit) - 2.0 * self.log_likelihood
+
+    @property
+    def noise(self) -> NoiseModel:
+        """The noise beside the zero."""
+        return NoiseModel(self.zero.white, self.zero.fast, self.zero.correlation)
 
     @property
     def size(self) -> float:
@@ -178,7 +184,7 @@ def zero_that_wanders(found: Beside, evidence: Evidence) -> NamedPhysics:
     """The drift of a zero that wanders smoothly: the deviation of that."""
     size, unit = found.size, found.fit.ground.problem.around.angle_unit
     apart = found.zero.pace * found.fit.ground.count / ALIKE_OVER
-    spread = KNOWN_TO / float(np.sqrt(2.0 * apart))
+    spread = DEVIATIONS / float(np.sqrt(2.0 * apart))
     low, high = size * max(1.0 - spread, 0.0), size * (1.0 + spread)
     told = Estimate("deviation", size, low, high, unit)
     return told_as_drift(evidence, told, SAYS.format(size=worded(size), unit=unit))

@@ -3,6 +3,7 @@
 import numpy as np
 
 from pipeline.discrepancy.judgement.cycle_zero import leaves_less, told_as_drift
+from pipeline.discrepancy.model.intervals import DEVIATIONS
 from pipeline.discrepancy.model.result import Estimate, Evidence, NamedPhysics
 from pipeline.discrepancy.search.explain import Explanation
 from pipeline.discrepancy.search.refuted import refuted
@@ -11,7 +12,6 @@ from pipeline.number_words import worded
 
 SAYS = "The zero walks by about {size} {unit} in a cycle: no command foretells it."
 BESIDE_NAMES = 9.0
-KNOWN_TO = 1.96  # of a deviation from n steps, times itself over sqrt(2 n): 95 %
 
 
 def witnessed(explanation: Explanation, choice: Choice) -> bool:
@@ -47,7 +47,8 @@ def zero_that_walks(
     if not walks_far(explanation, choice):
         return None
     size = walk_in_a_cycle(choice)
-    spread = KNOWN_TO / np.sqrt(2.0 * len(np.unique(choice.fit.ground.problem.cycle)))
+    steps = len(np.unique(choice.fit.ground.problem.cycle))
+    spread = DEVIATIONS / np.sqrt(2.0 * steps)
     low, high = size * max(1.0 - spread, 0.0), size * (1.0 + spread)
     unit = explanation.problem.around.angle_unit
     told = Estimate("walk_in_a_cycle", size, low, high, unit)

@@ -12,7 +12,7 @@ import numpy as np
 from numba import njit
 from scipy.optimize import minimize
 
-from pipeline.discrepancy.noise.noise import SLOW_CORRELATION, NoiseModel
+from pipeline.discrepancy.noise.noise import SLOW_CORRELATION
 
 FINE_ENOUGH = {"maxfev": 400, "xatol": 0.01, "fatol": 0.01}
 PACES = (0.05, 0.2)
@@ -38,11 +38,6 @@ class SmoothZero:
     def deviation(self) -> float:
         """Standard deviation of a sample about the zero."""
         return float(np.hypot(self.white, self.fast))
-
-    @property
-    def noise(self) -> NoiseModel:
-        """The noise beside the zero."""
-        return NoiseModel(self.white, self.fast, self.correlation)
 
     def innovations(
         self, columns: np.ndarray, carrier: np.ndarray, used: np.ndarray
