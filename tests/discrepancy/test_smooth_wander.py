@@ -109,6 +109,9 @@ def test_nothing_left_beside_it_may_follow_the_commands(drifting):
     )
     assert follows_commands(drifting, beside(base.fit))
     assert not follows_commands(drifting, beside(play.fit))
+    few = replace(drifting, prior=replace(drifting.prior, groups=()))
+    assert follows_commands(few, beside(base.fit))
+    assert wandering(replace(drifting, choices=[base]), base) is None
 
 
 def test_it_is_far_beyond_the_noise_and_slow(drifting):
