@@ -8,7 +8,9 @@ from pipeline.discrepancy.fitting.ground import ground_of
 from pipeline.discrepancy.judgement.hum import hum
 from pipeline.discrepancy.judgement.structure import JERKS, SWINGS
 from pipeline.discrepancy.noise.noise import NoiseModel
+from pipeline.discrepancy.search import explain
 from pipeline.discrepancy.search.counted import leaping
+from pipeline.discrepancy.search.polish import polished
 from pipeline.discrepancy.search.weighing import Choice
 from pipeline.physics.kinematics import CubicCurve
 from pipeline.physics.mechanism import Piece
@@ -26,6 +28,7 @@ from tests.discrepancy.made import (
     SIMULATED,
     changed,
     diagnosed,
+    explained,
     followed,
     names,
     posed,
@@ -96,6 +99,19 @@ def test_a_joint_that_snaps_has_no_name_but_a_place_and_a_size(hidden, height):
     way = "ahead" if height > 0 else "back"
     (said,) = (note for note in found.notes if f"The joint snaps {way} by" in note)
     assert said.startswith("The corrected simulation follows what the catalogue has no name for")
+
+
+@pytest.mark.parametrize(("height", "piled"), [(-2.5, False), (3.5, False), (0.0, True)])
+def test_where_repeats_say_much_against_the_first_choice_no_names_are_piled_up(
+    monkeypatch, height, piled
+):
+    calls = []
+    monkeypatch.setattr(explain, "polished", lambda *a: calls.append(1) or polished(*a))
+    recording = recorded({"creep": {}}, seed=2)
+    snaps = 0.5 * height * relay(recording.values(SIMULATED), -12.0, 9.0)
+    found = explained(changed(recording, **{ANGLE: recording.values(ANGLE) + snaps}))
+    assert any(isinstance(p.term, SnappingJoint) for p in found.choices[0].fit.pieces) != piled
+    assert bool(calls) == piled
 
 
 def test_samples_at_a_snap_say_when_it_was_and_not_that_they_are_mistaken():

@@ -33,6 +33,7 @@ from pipeline.discrepancy.search.plain_forms import begun_plainly
 from pipeline.discrepancy.search.polish import polished
 from pipeline.discrepancy.search.pressed import pressed
 from pipeline.discrepancy.search.refuted import (
+    doubtful,
     hopeless,
     not_noise,
     refuted,
@@ -133,7 +134,7 @@ def searched(problem: Problem) -> Explanation:
         last, off_now = off_now, mistaken_rows(problem, choices[0], prior)
         if np.sum(off_now != last) > MANY * len(off_now):
             search, used, choices = chosen_anew(search, prior, settled & ~off_now, choices)
-    found = begun_plainly(search, polished(search, choices))
+    found = begun_plainly(search, seldom_or_polished(search, choices))
     told = pressed(search, sprung(search, alone(search, found)))
     usual_ones = unless_misfit(search, searched_wide(search, choices, swinging(search, told)))
     choices = oddly(search, usual_ones)
@@ -148,6 +149,18 @@ def searched(problem: Problem) -> Explanation:
     choices = with_plain(search, choices)
     outliers = mistaken_rows(problem, choices[0], prior)
     return Explanation(problem, prior, search, choices, outliers, used)
+
+
+def seldom_or_polished(search: Search, choices: list[Choice]) -> list[Choice]:
+    """The choices polished; where repeats speak much against the best, what is seldom comes first.
+
+    A polish would pile up names in its place, for many rounds.
+    """
+    if doubtful(search, choices[0]):
+        seldom = oddly(search, choices)
+        if not not_noise(search, seldom[0]):
+            return seldom
+    return polished(search, choices)
 
 
 def unless_misfit(search: Search, choices: list[Choice]) -> list[Choice]:

@@ -12,7 +12,7 @@ SURELY = 3.0
 FEWEST_AGAIN = 2
 COMMON = 1e-5
 HALF = 0.5
-HOPELESS, SLOWLY = 200.0, 0.1
+DOUBTFUL, HOPELESS, SLOWLY = 100.0, 200.0, 0.1
 
 
 def refuted(search: Search, choice: Choice) -> bool:
@@ -44,6 +44,11 @@ def worth_a_polish(search: Search, choice: Choice, before: Choice) -> bool:
     if not not_noise(search, before):
         return True
     return spoken_against(search, choice) < HALF * spoken_against(search, before)
+
+
+def doubtful(search: Search, choice: Choice) -> bool:
+    """Whether repeats speak so much against a choice that usual names seldom come to explain it."""
+    return spoken_against(search, choice) > DOUBTFUL
 
 
 def hopeless(search: Search, choice: Choice) -> bool:
