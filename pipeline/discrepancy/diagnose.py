@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from pipeline.discrepancy.explained import explained
 from pipeline.discrepancy.judgement.beyond import beyond_its_name
 from pipeline.discrepancy.judgement.cycle_zero import wanders_by_cycle
 from pipeline.discrepancy.judgement.decision import Decision, decided
@@ -23,6 +24,7 @@ from pipeline.discrepancy.model.result import (
     Diagnosis,
     Evidence,
     Unexplained,
+    root_mean,
 )
 from pipeline.discrepancy.model.start import end_of
 from pipeline.discrepancy.model.zero import zero_at_end
@@ -33,7 +35,7 @@ from pipeline.discrepancy.problem.problem import Problem
 from pipeline.discrepancy.problem.thinning import thinned
 from pipeline.discrepancy.search.counted import set_aside, turning
 from pipeline.discrepancy.search.excited import not_excited
-from pipeline.discrepancy.search.explain import Explanation, explain
+from pipeline.discrepancy.search.explain import Explanation
 from pipeline.discrepancy.search.force_late import explained_in_time
 from pipeline.discrepancy.search.weighing import Choice
 from pipeline.physics.drift import Drift
@@ -44,11 +46,9 @@ def diagnose_measurement(
     recording: Recording, measurement: str, problem: Problem
 ) -> tuple[Diagnosis, Evidence, CorrectedModel]:
     """Name what the simulation of a measurement left out, with the proof on held-out rows."""
-    small, every = reduced(problem)
-    if problem.derivatives is None:
-        explanation = explain(small)
-    else:
-        problem, explanation = explained_in_time(problem)
+    every = reduced(problem)[1]
+    explain = explained if problem.derivatives is None else explained_in_time
+    problem, explanation = explain(problem)
     explanation = without_faint(explanation)
     decision = decided(problem, explanation)
     explanation, best, structure = decision.explanation, decision.choice, decision.structure
@@ -165,6 +165,9 @@ def model_of(
     small, noise = choice.fit.ground.problem, wandering or choice.fit.ground.noise
     if small.averaged is not None:
         noise = noise_of_samples(noise, problem, small.averaged, mechanism_of(problem, choice))
+    if problem.read is not None:
+        off = root_mean((problem.read - problem.measured)[problem.train] ** 2)
+        noise = replace(noise, white=float(np.hypot(noise.white, off)))
     return CorrectedModel(
         measurement=measurement,
         unit=problem.around.angle_unit,
@@ -215,7 +218,7 @@ def evidence_of(
         drive=problem.drive,
         static=problem.static,
         motion=problem.motion,
-        measured=problem.measured,
+        measured=problem.measured if problem.read is None else problem.read,
         train=problem.train,
         heldout=problem.heldout,
         used=np.isfinite(problem.measured) & np.isfinite(problem.simulated) & ~outliers,

@@ -1,11 +1,25 @@
 """A simulation, nearly a curve of its command, that knows that the mechanism is a bit late."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from pipeline.discrepancy.explained import better_by_row
+from pipeline.discrepancy.fitting.ground import ground_of
+from pipeline.discrepancy.noise.noise import NoiseModel
 from pipeline.discrepancy.problem.own_dynamics import beside_curve
 from pipeline.physics.kinematics import IdentityCurve
-from tests.discrepancy.made import SIMULATED, changed, diagnosed, followed, posed
+from pipeline.physics.play_operator import play
+from tests.discrepancy.made import (
+    SIMULATED,
+    changed,
+    chosen,
+    diagnosed,
+    explanation_of,
+    followed,
+    posed,
+)
 
 PACE_HZ, LATE_S, NOISE = 0.6, 0.001, 0.05
 TIME_S = np.arange(1500) * 0.01
@@ -15,7 +29,8 @@ SEEN = NOISE * np.random.default_rng(4).standard_normal(1500)
 
 
 def own(simulated: np.ndarray, measured: np.ndarray, drive: np.ndarray = DRIVE) -> np.ndarray:
-    return beside_curve(drive, IdentityCurve(), simulated, measured)
+    found, stays = beside_curve(drive, IdentityCurve(), simulated, measured)
+    return found if stays else np.zeros(len(drive))
 
 
 def test_what_the_measurement_does_as_well_is_the_simulations_own() -> None:
@@ -61,3 +76,36 @@ def test_what_else_is_late_is_told_beside_it() -> None:
     (physics,) = found.physics
     assert "response_lag" in {physics.name, *physics.alternatives}
     assert found.after.heldout_rmse < 1.1 * NOISE
+
+
+@pytest.mark.parametrize("late_s", [0.013, 0.03])
+def test_play_that_the_simulation_knows_is_as_late_as_the_rest(late_s: float) -> None:
+    knows = play(DRIVE, 0.05, 0.0)
+    seen = np.interp(TIME_S - late_s, TIME_S, knows)
+    recording = followed(TIME_S, DRIVE, 1.01 * seen + 0.2 + 0.6 * SEEN, PACE_HZ)
+    recording = changed(recording, **{SIMULATED: knows})
+    problem = posed(recording)
+    assert problem.static
+    assert problem.own == 0.0
+    (found,) = diagnosed(recording).diagnoses
+    (physics,) = found.physics
+    assert physics.name == "frame_lag"
+    assert found.after.heldout_rmse < 1.1 * 0.6 * NOISE
+
+
+@pytest.mark.parametrize(
+    ("score", "rows", "better"),
+    [(-1001.0, 0, False), (-1003.0, 0, True), (-996.0, 5, False), (-998.0, 5, True)],
+)
+def test_a_trace_drives_only_where_it_clearly_explains_more(
+    score: float, rows: int, better: bool
+) -> None:
+    """rows: how many fewer are used, of about 1,000 that are worth 1 each."""
+    problem = posed(followed(TIME_S, DRIVE, DRIVE + SEEN, PACE_HZ))
+    assert problem.traced is None
+    used = problem.train & (np.cumsum(problem.train) <= 1000)
+    ground = ground_of(problem, NoiseModel(NOISE), used)
+    plain = explanation_of([chosen(ground, -1000.0)])
+    fewer = explanation_of([chosen(ground, score)])
+    fewer = replace(fewer, used=used & (np.cumsum(used) > rows))
+    assert better_by_row(fewer, plain) == better

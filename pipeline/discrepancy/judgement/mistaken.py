@@ -25,6 +25,7 @@ CREDIBLE, NEARLY_ALL = 3.0, 0.8
 FAR = 10.0
 BY_CHANCE = 1e-3
 HEAVY, LIGHT = 3.0, 8.0
+ROUNDED_BY = 1.5
 Z, SURELY = 1.96, 0.97
 AGAIN = "In {share:.2g} of the samples the sensor says again what it said in the one before."
 STALE = (
@@ -74,10 +75,14 @@ def of_heavy_tails(explanation: Explanation) -> bool:
     """Whether noise with the tails of the other rows throws as many of them as far as these are.
 
     Student's t says how many, where the other rows are surely no Gaussian's. Those that are
-    mistaken were left out of them: they are a sample that is cut off (`tails_of`).
+    mistaken were left out of them: they are a sample that is cut off (`tails_of`). Readings in
+    levels are peaked, but none is off by much more than half a step.
     """
-    fit = explanation.choices[0].fit
-    off = np.abs(errors_of(explanation))[incredible(explanation)] / fit.ground.noise.deviation
+    fit, levels = explanation.choices[0].fit, explanation.problem.levels
+    far = np.abs(errors_of(explanation))[incredible(explanation)]
+    if explanation.problem.read is not None and levels and far.min() > ROUNDED_BY * levels.step:
+        return False
+    off = far / fit.ground.noise.deviation
     freedom, scale = tails_of(fit.innovations / np.std(fit.innovations), float(off.min()))
     expected = 2.0 * len(fit.innovations) * stdtr(freedom, -off.min() / scale)
     return bool(pdtrc(len(off) - 1, expected) > BY_CHANCE)

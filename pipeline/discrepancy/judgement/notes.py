@@ -50,6 +50,12 @@ def notes(
             "and the measurement goes along with that: it is no mismatch. Predictions of other "
             "commands are without it."
         )
+    if problem.read is not None and problem.levels is not None:
+        out.append(
+            f"The sensor reads in steps of {worded(problem.levels.step)} "
+            f"{problem.around.angle_unit}: what a reading is off by that follows the motion, but "
+            "is no mismatch. It was taken off, and belongs to the noise."
+        )
     if problem.rough:
         out.append(
             f"{problem.drive} was recorded with noise of its own ({problem.rough:.2g} "

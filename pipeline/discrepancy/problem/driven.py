@@ -33,13 +33,16 @@ class Driven(NamedTuple):
     course: Course | None
 
 
-def driven_by(recording: Recording, measurement: str, simulated: np.ndarray) -> Driven:
+def driven_by(
+    recording: Recording, measurement: str, simulated: np.ndarray, traced: bool = False
+) -> Driven:
     """What drives a simulation (n,) of a measurement.
 
     Where the simulation is a static curve of a command, or that with a lag or play of its own, that
     command drives and the curve is learnt from the two. Otherwise the simulation's trace drives,
-    and no curve follows; where that trace mixes several commands, each of them is one of the others
-    too. Raises DiagnosisError where nothing was commanded.
+    and no curve follows; so it does if it is to be `traced`. Where that trace mixes several
+    commands, each of them is one of the others too. Raises DiagnosisError where nothing was
+    commanded.
     """
     commands = {c.name: recording.values(c.name) for c in recording.with_role("command")}
     if not commands:
@@ -50,9 +53,11 @@ def driven_by(recording: Recording, measurement: str, simulated: np.ndarray) -> 
     misfit = {n: static_misfit(u[known], simulated[known]) for n, u in commands.items()}
     drive = min(commands, key=lambda n: (misfit[n] >= STATIC_ERROR, not _kin(n, measurement),
                                          misfit[n]))  # fmt: skip
-    static = misfit[drive] < STATIC_ERROR
+    static = misfit[drive] < STATIC_ERROR and not traced
     own_first = {n: commands[n] for n in sorted(commands, key=lambda n: not _kin(n, measurement))}
-    course = None if static else course_of(own_first, recording.values("time_s"), simulated)
+    course = None
+    if not (static or traced):
+        course = course_of(own_first, recording.values("time_s"), simulated)
     if course is not None:
         drive, static = course.command, True
     signal: np.ndarray = commands[drive]

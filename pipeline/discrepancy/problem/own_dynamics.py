@@ -15,24 +15,25 @@ FOLLOWS, SURELY, NEARLY, SURE = 0.5, 2.0, 0.2, 0.07
 
 def beside_curve(
     drive: np.ndarray, curve: Curve, simulated: np.ndarray, measured: np.ndarray
-) -> np.ndarray:
-    """What a simulation has beside a static curve of its drive, (n,) each; 0 where that is nothing.
+) -> tuple[np.ndarray, bool]:
+    """What a simulation has beside a static curve of its drive, (n,) each, and whether it stays.
 
     That a servo or a spring comes a little late, a simulation may know, too: then it is no
-    mismatch. It is nothing where it is not SEEN beside the measurement's noise, where it is the
-    drive's own counts or noise, or where the measurement does not surely go along with it.
+    mismatch. It is 0 where it is not SEEN beside the measurement's noise, or where it is the
+    drive's own counts or noise. It stays where the measurement surely goes along with it; elsewhere
+    what explains the rest has to say.
     """
     nothing = np.zeros(len(drive))
     known = np.isfinite(simulated) & np.isfinite(measured)
     if known.sum() < FEWEST:
-        return nothing
+        return nothing, False
     found = np.where(np.isfinite(simulated), simulated - curve(drive), 0.0)
     size = float(np.std(found[known]))
     noise = robust_deviation(np.diff(measured[known], 3)) / THIRD
     rough = abs(curve.slope) * max(quantum_of(drive), noise_of_motion(drive))
-    seen = size > SEEN * noise and rough < OWN * size
-    along = seen and goes_along(drive[known], simulated[known], measured[known])
-    return found if along else nothing
+    if size <= SEEN * noise or rough >= OWN * size:
+        return nothing, False
+    return found, goes_along(drive[known], simulated[known], measured[known])
 
 
 def goes_along(drive: np.ndarray, simulated: np.ndarray, measured: np.ndarray) -> bool:

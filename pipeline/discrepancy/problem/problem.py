@@ -12,6 +12,7 @@ from pipeline.discrepancy.problem.driven import DiagnosisError, driven_by
 from pipeline.discrepancy.problem.fitted import LOOSE_GAIN, tolerance_of_fit
 from pipeline.discrepancy.problem.holes import unsettled_rows
 from pipeline.discrepancy.problem.jumping import between_branches
+from pipeline.discrepancy.problem.levels import Levels, levels_read
 from pipeline.discrepancy.problem.line import line_in_a_command, own_commands
 from pipeline.discrepancy.problem.own_dynamics import beside_curve
 from pipeline.discrepancy.problem.rough import unroughened
@@ -55,6 +56,9 @@ class Problem:
     come after a hole and don't count, see `holes.py`. own: what was taken off measured and
     simulated, as the simulation does it beside its curve, RMS, see `own_dynamics.py`. course: a lag
     or play that the simulation has beside its curve, see `course.py`.
+    levels: of a sensor that reads in such. read: the measurement as it was read, where what
+    readings are off by was taken off, see `levels.py`. traced: the same with the simulation's trace
+    as drive, where it does a little beside its curve.
     """
 
     motion: Motion
@@ -78,6 +82,9 @@ class Problem:
     unsettled: int = 0
     own: float = 0.0
     course: Piece | None = None
+    levels: Levels | None = None
+    read: np.ndarray | None = None
+    traced: "Problem | None" = None
 
     @property
     def cycle(self) -> np.ndarray:
@@ -124,15 +131,36 @@ class Problem:
             simulated=self.simulated[wanted],
             train=self.train[wanted],
             heldout=self.heldout[wanted],
+            levels=None if self.levels is None else self.levels.rows(wanted),
+            read=None if self.read is None else self.read[wanted],
+        )
+
+    def between_levels(self, expected: np.ndarray, spread: float) -> "Problem":
+        """The problem without what readings of expected values (n,) are off on average.
+
+        spread: of the noise that was read with them [levels' steps].
+        """
+        assert self.levels is not None
+        off = self.levels.off_by_reading(expected, self.measured, spread)
+        return replace(
+            self,
+            measured=self.measured - off,
+            read=self.measured,
+            levels=self.levels.less_average(spread),
         )
 
 
 def pose_problem(
-    config: DiagnosisConfig, recording: Recording, measurement: str, simulated: np.ndarray
+    config: DiagnosisConfig,
+    recording: Recording,
+    measurement: str,
+    simulated: np.ndarray,
+    traced: bool = False,
 ) -> Problem:
     """What is to be explained: `measurement`, given a simulation of it (n,).
 
-    Raises DiagnosisError where there is too little to judge.
+    traced: whether the simulation's trace drives, whatever curve it is near to. Raises
+    DiagnosisError where there is too little to judge.
     """
     came = recording.values(measurement)
     stale = stale_samples(came, simulated)
@@ -142,31 +170,33 @@ def pose_problem(
     known = np.isfinite(measured) & np.isfinite(simulated)
     refuse_unknown(measurement, known)
     refuse_still(measurement, measured[known], simulated[known])
-    driven = driven_by(recording, measurement, simulated)
+    driven = driven_by(recording, measurement, simulated, traced)
     unsettled = unsettled_rows(driven.motion.time_s, driven.motion.drive) & known
     measured, known = np.where(unsettled, np.nan, measured), known & ~unsettled
     heldout = held_out_rows(config.heldout, driven.motion, known)
     train = known & ~heldout
     refuse_unfit(config.heldout, measurement, train, known & heldout)
     replaced = other = None
-    if driven.course is None:
+    if driven.course is None and not traced:
         other = in_place(recording, measurement, simulated, measured, train)
     if other is not None:
         replaced, simulated = simulated, other
         driven = driven_by(recording, measurement, simulated)
     motion, curve, drive, static, course = driven
     counted = rough = own = 0.0
+    trace = None
     if course is not None:
         measured = measured - (simulated - course.reproduced)
         simulated = np.where(np.isfinite(simulated), course.reproduced, np.nan)
     elif static:
-        beside = beside_curve(motion.drive, curve, simulated, np.where(train, measured, np.nan))
-        measured, simulated, own = measured - beside, simulated - beside, float(np.std(beside))
-        seen = np.where(train, measured, np.nan)
-        motion, curve, counted = uncounted(motion, curve, seen, simulated)
-        if counted == 0.0:
-            smooth, rough = unroughened(motion.drive, seen)
-            motion = replace(motion, drive=smooth)
+        found, stays = beside_curve(
+            motion.drive, curve, simulated, np.where(train, measured, np.nan)
+        )
+        if found.any() and replaced is None:
+            trace = pose_problem(config, recording, measurement, simulated, traced=True)
+        if stays:
+            measured, simulated, own = measured - found, simulated - found, float(np.std(found))
+        motion, curve, counted, rough = smoothed(motion, curve, measured, simulated, train)
     around = surroundings_of(recording, measurement, motion, simulated, drive, static, train)
     tolerance = tolerance_of_fit(config.tolerance, came, simulated, motion.drive, heldout)
     if replaced is not None:
@@ -177,7 +207,27 @@ def pose_problem(
         motion, curve, measured, simulated, train, known & heldout, around, tolerance,
         drive, static, counted=counted, rough=rough, stale=stale, replaced=replaced,
         unsettled=int(unsettled.sum()), own=own, course=None if course is None else course.piece,
+        levels=levels_read(came, measured), traced=trace,
     )  # fmt: skip
+
+
+def smoothed(
+    motion: Motion,
+    curve: Curve,
+    measured: np.ndarray,
+    simulated: np.ndarray,
+    train: np.ndarray,
+) -> tuple[Motion, Curve, float, float]:
+    """The motion behind a drive that was counted or measured, its curve, the step, and the noise.
+
+    Arrays are (n,); the measurement says on `train` rows whether that is what moved.
+    """
+    seen = np.where(train, measured, np.nan)
+    motion, curve, counted = uncounted(motion, curve, seen, simulated)
+    if counted > 0.0:
+        return motion, curve, counted, 0.0
+    smooth, rough = unroughened(motion.drive, seen)
+    return replace(motion, drive=smooth), curve, 0.0, rough
 
 
 def in_place(
