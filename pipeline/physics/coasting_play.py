@@ -16,7 +16,8 @@ MET = 1.0 - np.exp(-1.0 / PARTS)
 SLOWEST, FASTEST = 1e-3, 1e3
 COASTS_S, SOON = 0.05, 0.1
 ELASTIC = "elastic"
-FREQUENCIES, DAMPING = 0.05 * 2.0 ** np.arange(7), 0.2
+SOFTEST, DAMPING = 0.5, 0.2
+FREQUENCIES = SOFTEST * 2.0 ** np.arange(4)
 
 
 @njit(cache=True)
@@ -55,7 +56,8 @@ class CoastingPlay(DrivePlay):
     at the speed that it had until dry friction (`drag`, over the mass) and viscous friction
     (`fading`) have stopped it, or the other end of the gap, which does not throw it back. It starts
     at rest in the middle of its gap. In form "elastic" no rigid end of the gap drives it, but teeth
-    and a shaft that give (see `thrown`). Source: Nordin and Gutman, Automatica 38 (2002) 1633
+    and a shaft that give (see `thrown`), no softer than lets the load follow within a few samples:
+    softer ones make the whole motion late, which is a lag. Source: Nordin and Gutman, Automatica 38 (2002) 1633
     (backlash between two masses).
     """
 
@@ -84,9 +86,10 @@ class CoastingPlay(DrivePlay):
         if self.form != ELASTIC:
             return own
         most = 6.0 / max(around.dwell_s, 1e-9)
+        softest = SOFTEST / max(around.dwell_s, 1e-9)
         return (
             *own,
-            Parameter("natural_frequency", "rad/s", 1e-3 * most, most, 0.05 * most, 0.0,
+            Parameter("natural_frequency", "rad/s", softest, most, 2.0 * softest, 0.0,
                       relative=True),
             Parameter("damping", "", 0.0, 3.0, DAMPING, 0.5),
         )  # fmt: skip

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pandas as pd
+import pytest
 from scipy.ndimage import gaussian_filter1d
 
 from pipeline.discrepancy.judgement import beyond
@@ -11,6 +12,7 @@ from pipeline.physics.catalogue import term
 from pipeline.physics.held import slewed
 from pipeline.physics.motion import Motion
 from pipeline.physics.slewing_motor import NO_FASTER
+from pipeline.physics.term import Surroundings, values_of
 from pipeline.recording import Recording
 from tests.discrepancy.made import ANGLE, CHANNELS, SIMULATED, diagnosed, followed, names, value_of
 
@@ -110,3 +112,16 @@ def test_play_with_a_load_that_coasts_does_not_grow_where_a_motion_gets_slower()
     assert names(found) == {"backlash"}
     assert abs(value_of(found, "backlash", "width").value - width) < 0.3
     assert abs(value_of(found, "backlash", "fading").value - fading) < 3.0
+
+
+@pytest.mark.parametrize("dwell_s", [0.01, 0.04])
+def test_teeth_however_soft_let_a_load_follow_within_a_few_samples(dwell_s):
+    """Softer ones make the whole motion late, which is a lag and no play."""
+    around = Surroundings(drive_span=60.0, dwell_s=dwell_s, end_s=40.0)
+    elastic = term("backlash", "elastic")
+    low = {p.name: p.low for p in elastic.parameters(around)}
+    time_s = dwell_s * np.arange(400)
+    ramp = Motion(10.0 * time_s, time_s, np.zeros(400, dtype=int))
+    values = values_of(elastic, around, {**low, "damping": 0.7})
+    behind = ramp.drive - elastic.respond(ramp.drive, ramp, values, None)[0]
+    assert 0.0 < behind[-1] / 10.0 < 3.5 * dwell_s
