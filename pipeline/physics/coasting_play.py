@@ -57,8 +57,8 @@ class CoastingPlay(DrivePlay):
     (`fading`) have stopped it, or the other end of the gap, which does not throw it back. It starts
     at rest in the middle of its gap. In form "elastic" no rigid end of the gap drives it, but teeth
     and a shaft that give (see `thrown`), no softer than lets the load follow within a few samples:
-    softer ones make the whole motion late, which is a lag. Source: Nordin and Gutman, Automatica 38 (2002) 1633
-    (backlash between two masses).
+    softer ones make the whole motion late, which is a lag. Source: Nordin and Gutman, Automatica 38
+    (2002) 1633 (backlash between two masses).
     """
 
     timed = True
