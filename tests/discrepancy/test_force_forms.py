@@ -233,3 +233,16 @@ def test_forms_that_other_terms_have_made_needless_are_plainer_again():
     assert not told["viscous_friction"] & {"square", "relaxation"}
     assert not told["coulomb_friction"] & {"growth", "onset"}
     assert parameters(found)["viscous_friction.damping"].value == pytest.approx(-15.0, rel=0.15)
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_a_bump_stop_pushes_less_while_it_is_let_go(side):
+    """Hunt and Crossley's law, with the spring of a bumper that gets stiffer."""
+    t, x, rng = motion(14)
+    v = np.gradient(x, t)
+    edge = side * 0.4 * np.max(side * x)
+    depth = np.maximum(side * (x - edge), 0.0)
+    deep, fast = float(depth.max()), float(np.abs(v).max())
+    pushed = 40.0 * (depth / deep) ** 1.5 * np.maximum(1.0 + 0.4 * side * v / fast, 0.0)
+    found = diagnosed(x, side * pushed, rng)
+    assert_told(found, {"contact"}, {"contact.position": edge, "contact.loss": 0.4 / fast})

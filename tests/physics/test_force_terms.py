@@ -409,3 +409,13 @@ def test_a_round_buffer_is_the_law_of_hertz_where_it_is_pressed():
         depth = np.maximum(side * (drive - position), 0.0)
         expected = side * stiffness * deep * (depth / deep) ** 1.5
         np.testing.assert_allclose(force, expected, atol=0.01)
+
+
+def test_a_damped_buffer_never_pulls():
+    drive, away = np.full(5, 16.0), np.array([2.0, 0.0, -1.0, -4.0, -9.0])
+    zero = np.zeros(5)
+    kinetics = Kinetics(away, zero, zero, np.zeros(0, dtype=int))
+    motion = Motion(drive, np.arange(5.0), np.zeros(5, dtype=int), kinetics=kinetics)
+    values = np.array([2.0, 10.0, 1e-3, 0.5, 6.0, 0.2])
+    force = term("contact", "upper damped buffer").respond(zero, motion, values, None)[0]
+    np.testing.assert_allclose(force, 12.0 * np.maximum(1.0 + 0.2 * away, 0.0), atol=0.01)
