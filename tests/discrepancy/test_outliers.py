@@ -10,6 +10,7 @@ from pipeline.discrepancy.fitting.fit import evaluate
 from pipeline.discrepancy.fitting.ground import ground_of
 from pipeline.discrepancy.judgement import mistaken
 from pipeline.discrepancy.judgement.mistaken import after_some, on_their_way, share_and_size
+from pipeline.discrepancy.judgement.structure import RINGS
 from pipeline.discrepancy.noise.noise import NoiseModel
 from pipeline.discrepancy.problem.outliers import bursts, isolated, longest_burst
 from pipeline.discrepancy.search.counted import between_slips
@@ -17,6 +18,7 @@ from pipeline.discrepancy.search.weighing import Choice
 from pipeline.physics.kinematics import CubicCurve
 from pipeline.physics.lost_steps import LostSteps
 from pipeline.physics.mechanism import Piece
+from pipeline.recording import Recording
 from tests.discrepancy.made import (
     ANGLE,
     NOISE,
@@ -93,22 +95,37 @@ def test_a_diagnosis_names_frames_that_were_mistaken_in_a_row(
     assert found.diagnoses[0].after.heldout_rmse < 1.15 * NOISE
 
 
-@pytest.mark.parametrize("ringing", [True, False])
-def test_what_stands_off_after_some_steps_only_was_not_mistaken(ringing: bool) -> None:
+def standing_off(after_long_steps: bool) -> tuple[Recording, np.ndarray]:
+    """Steps of three lengths, and samples (n,) that are off, after long steps only or anywhere."""
     rng, plain = np.random.default_rng(6), recorded({})
     n = len(plain.samples)
     steps = rng.choice([1.0, 2.0, 4.0], n, p=[0.6, 0.3, 0.1])
     command = 55.0 * (2.0 / np.pi) * np.arcsin(np.sin(np.cumsum(steps) / 50.0))
     off = np.zeros(n)
-    off[rng.choice(np.flatnonzero(steps == 4.0) if ringing else n, 12, replace=False)] = 5.0
+    some = np.flatnonzero(steps == 4.0) if after_long_steps else n
+    off[rng.choice(some, 12, replace=False)] = 5.0
     angle = CubicCurve(0.7, 1e-5)(command)
     measured = angle + off + NOISE * rng.standard_normal(n)
-    recording = changed(plain, **{"pitch_command_deg": command, SIMULATED: angle, ANGLE: measured})
+    columns = {"pitch_command_deg": command, SIMULATED: angle, ANGLE: measured}
+    return changed(plain, **columns), off
+
+
+@pytest.mark.parametrize("ringing", [True, False])
+def test_what_stands_off_after_some_steps_only_was_not_mistaken(ringing: bool) -> None:
+    recording, off = standing_off(ringing)
     problem = posed(recording)
     ground = ground_of(problem, NoiseModel(NOISE), problem.train & (off == 0.0))
     explanation = replace(explanation_of([chosen(ground, 0.0)]), outliers=off > 0.0)
     steps = np.abs(np.diff(explanation.problem.motion.drive))
     assert after_some(steps, explanation) == ringing
+
+
+@pytest.mark.parametrize("ringing", [True, False])
+def test_what_rings_after_some_steps_is_told_as_that_and_not_as_mistaken(ringing: bool) -> None:
+    (found,) = diagnosed(standing_off(ringing)[0]).diagnoses
+    assert {p.name for p in found.physics} == (set() if ringing else {"marker_outliers"})
+    assert (found.unexplained.where == RINGS) == ringing
+    assert found.verdict == ("unknown_physics" if ringing else "explained")
 
 
 def test_two_that_follow_each_other_are_found_whole_to_whichever_sides() -> None:

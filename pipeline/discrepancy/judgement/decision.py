@@ -14,6 +14,7 @@ from pipeline.discrepancy.judgement.smooth_wander import Beside, wandering
 from pipeline.discrepancy.judgement.structure import (
     Structure,
     mismatch_variance,
+    ringing,
     share_left,
     structure_of,
 )
@@ -84,7 +85,7 @@ def decided(problem: Problem, explanation: Explanation) -> Decision:
         structure = replace(structure, found=where is not None, where=where or structure.where)
     if not structure.found:
         return Decision(explanation, best, structure)
-    sound = absurd is None and not (lost or undone)
+    sound = absurd is None and not (lost or undone or ringing(explanation, told))
     wandered = beside_a_wander(problem, explanation, told) if sound else None
     if wandered is not None:
         return wandered

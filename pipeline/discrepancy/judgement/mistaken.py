@@ -220,16 +220,23 @@ def errors_of(explanation: Explanation) -> np.ndarray:
 
 
 def after_some(lengths: np.ndarray, explanation: Explanation) -> bool:
-    """Whether such rows come after steps or waits of other lengths (n - 1,) than the rest.
+    """Whether such rows come after steps or waits of other lengths (n - 1,) than the rest."""
+    return after_others(lengths, explanation) < BY_CHANCE
+
+
+def after_others(lengths: np.ndarray, explanation: Explanation) -> float:
+    """How likely such rows come after steps or waits (n - 1,) as much unlike the rest by chance.
 
     A camera mistakes a marker whatever came before; a joint that still rings does not, nor one
-    that an old frame shows on its way (Kolmogorov-Smirnov).
+    that an old frame shows on its way (Kolmogorov-Smirnov). 1 where there are fewer than FEWEST.
     """
+    rows = incredible(explanation)
+    if rows[1:].sum() < FEWEST:
+        return 1.0
     from scipy.stats import ks_2samp  # 0.3 s: only mistaken frames wait for it
 
-    rows = incredible(explanation)
     rest = explanation.problem.train & ~rows
-    return bool(ks_2samp(lengths[rows[1:]], lengths[rest[1:]]).pvalue < BY_CHANCE)
+    return float(ks_2samp(lengths[rows[1:]], lengths[rest[1:]]).pvalue)
 
 
 def on_their_way(explanation: Explanation) -> bool:

@@ -26,7 +26,7 @@ from pipeline.physics.play_operator import play
 
 SAYS = "The zero wanders smoothly, by about {size} {unit}: no command foretells it."
 FAR = 4.0  # variance of what is left, over that of the noise beside the wander
-LEAD = 15.0  # log likelihood of a zero over all else that may wander
+LEAD = 22.0  # log likelihood of a zero over all else that may wander
 FASTEST_PACE, MOST_SETS = 12.0, 10  # per cycle
 PLAYS, PIVOTS = (0.02, 0.05, 0.1, 0.25), (-0.25, 1.25, 0.0, 0.25, 0.5, 0.75, 1.0)  # of the range
 ALIKE_OVER = 2.5  # over the pace: so many rows of a smooth zero say one thing of its variance

@@ -12,6 +12,7 @@ from pipeline.discrepancy.judgement.force_rest import (
     too_slow,
 )
 from pipeline.discrepancy.judgement.hum import hum
+from pipeline.discrepancy.judgement.mistaken import after_others, incredible
 from pipeline.discrepancy.judgement.recurrence import foretold_share
 from pipeline.discrepancy.judgement.rest import Rest, repeated_rest, structured_rest, two_valued
 from pipeline.discrepancy.judgement.swinging import swings
@@ -23,10 +24,11 @@ from pipeline.discrepancy.search.weighing import Choice, piled
 from pipeline.number_words import worded
 from pipeline.recording import branch_of
 
-CHANCE, SELDOM = 1e-5, 1e-3
+CHANCE, RARE, SELDOM = 1e-5, 1e-4, 1e-3
 SMALLEST_SIZE, REPEATED, OF_PILE = 0.2, 0.5, 0.25
 ROUNDED = 1.1
 LEAST_ALIKE, AGAIN = 0.2, "what comes again where the motion does"
+RINGS = "samples far off after steps of other lengths than the rest: it rings there"
 SWINGS = "samples far off to one side and the other by turns: it swings there"
 RECURS = "swings that go on from sample to sample, as noise does not"
 JERKY, JERKS = 4.4, "jerks, each time elsewhere: it sticks and slips"
@@ -62,7 +64,8 @@ def structure_of(explanation: Explanation, choice: Choice) -> Structure:
 
     It shows in flexible curves of what was commanded that chance does not explain (likelihood
     ratio, Bonferroni over the families of curves), in noise that varies as slowly as physics does,
-    in what cycles have in common at each step, in noise with two humps, in outliers that swing, in
+    in what cycles have in common at each step, in noise with two humps, in outliers that swing or
+    come after other steps than the rest, in
     a hum, in jerks, in swings that go on, or, of a force, in what comes again where the motion
     does. What is surely there but much smaller than the noise is the form of a term, no physics.
     """
@@ -76,6 +79,7 @@ def structure_of(explanation: Explanation, choice: Choice) -> Structure:
         or of_repeats(explanation, choice)
         or two_zeros(choice)
         or swinging(explanation, choice)
+        or ringing(explanation, choice)
         or humming(explanation, choice)
         or jerking(explanation, choice)
         or recurring(explanation, choice)
@@ -230,6 +234,17 @@ def swinging(explanation: Explanation, choice: Choice) -> Sign | None:
         return None
     p_value, size = swings(explanation, choice)
     return Sign(SWINGS, size, p_value) if p_value < SELDOM else None
+
+
+def ringing(explanation: Explanation, choice: Choice) -> Sign | None:
+    """Samples of an angle that were taken for mistaken, but come after steps of other lengths."""
+    problem = explanation.problem
+    if problem.derivatives is not None or not explanation.outliers.any():
+        return None
+    p_value = after_others(np.abs(np.diff(problem.motion.drive)), explanation)
+    off = (problem.measured - choice.fit.predicted)[incredible(explanation)]
+    size = float(np.sqrt(np.sum(off**2) / problem.train.sum()))
+    return Sign(RINGS, size, p_value) if p_value < RARE else None
 
 
 def share_left(explanation: Explanation, choice: Choice) -> float:

@@ -63,7 +63,7 @@ def likeliest_zero(
 ) -> tuple[float, SmoothZero]:
     """The likeliest smooth zero of a residual (n,) on used rows (n,), and its log likelihood.
 
-    carrier: (n,), see `SmoothZero.innovations`. begun: where to begin, besides at the usual paces.
+    carrier: (n,), see `SmoothZero.innovations`. begun: where to begin, if not at the usual paces.
     """
     filled = np.where(used, residual, 0.0)
     scale = max(float(np.std(filled[used])), 1e-300)
@@ -86,7 +86,7 @@ def likeliest_zero(
             np.log(z.correlation / max(SLOW_CORRELATION - z.correlation, 1e-6)),
             np.log(z.pace),
         ]
-        for z in (*usual, *begun)
+        for z in (begun or usual)
     ]
     found = min(
         (minimize(cost, start, method="Nelder-Mead", options=FINE_ENOUGH) for start in starts),
