@@ -65,9 +65,9 @@ def structure_of(explanation: Explanation, choice: Choice) -> Structure:
     It shows in flexible curves of what was commanded that chance does not explain (likelihood
     ratio, Bonferroni over the families of curves), in noise that varies as slowly as physics does,
     in what cycles have in common at each step, in noise with two humps, in outliers that swing or
-    come after other steps than the rest, in
-    a hum, in jerks, in swings that go on, or, of a force, in what comes again where the motion
-    does. What is surely there but much smaller than the noise is the form of a term, no physics.
+    come after other steps than the rest, in a hum, in jerks, in swings that go on, or, of a force,
+    in what comes again where the motion does. What is surely there but much smaller than the noise
+    is the form of a term, no physics.
     """
     if rounded(explanation, choice):
         return Structure(False, None, 0.0, 1.0)

@@ -12,6 +12,7 @@ from pipeline.discrepancy.noise.contrast import FEWEST_STEPS, free_of, numbered
 from pipeline.discrepancy.noise.force_noise import noise_of_force
 from pipeline.discrepancy.noise.noise import NoiseModel, whitened
 from pipeline.discrepancy.noise.other_axes import contrasted, ways_of_others, without_ways
+from pipeline.discrepancy.problem.counts import quantum_of
 from pipeline.discrepancy.problem.outliers import isolated, robust_deviation
 from pipeline.discrepancy.problem.problem import Problem
 from pipeline.discrepancy.problem.repeats import repeated_cycles
@@ -87,9 +88,10 @@ def learn_noise(problem: Problem, expected: np.ndarray | None = None) -> NoisePr
         return NoisePrior(model, 0, UNSURE, (), FINEST * problem.around.angle_span)
     expected = problem.simulated if expected is None else expected
     residual = np.where(problem.train, problem.measured - expected, np.nan)
-    finest = FINEST * problem.around.angle_span
+    rounded = quantum_of(problem.measured) / np.sqrt(12.0)
     if problem.levels is not None:
-        finest = max(finest, problem.levels.least)
+        rounded = problem.levels.least
+    finest = max(FINEST * problem.around.angle_span, rounded)
     groups = repeated_cycles(problem)
     if not groups and problem.motion.others:
         own = repeated_cycles(problem, alone=True)
