@@ -6,14 +6,27 @@ import numpy as np
 import pytest
 
 from pipeline.discrepancy.explained import explained
+from pipeline.discrepancy.fitting.ground import ground_of
+from pipeline.discrepancy.judgement.mistaken import of_heavy_tails
+from pipeline.discrepancy.noise.noise import NoiseModel
 from pipeline.discrepancy.problem.levels import (
+    Levels,
     levels_read,
     likeliest_spread,
     read_off,
     step_of,
 )
 from pipeline.recording import Recording
-from tests.discrepancy.made import ANGLE, changed, diagnosed, names, posed, recorded
+from tests.discrepancy.made import (
+    ANGLE,
+    changed,
+    chosen,
+    diagnosed,
+    explanation_of,
+    names,
+    posed,
+    recorded,
+)
 
 STEP = 0.7
 
@@ -113,3 +126,18 @@ def test_mistaken_frames_are_told_though_levels_are_peaked() -> None:
     values, rows = recording.values(ANGLE).copy(), np.arange(20, 1080, 61)
     values[rows] += np.random.default_rng(5).choice([-1.0, 1.0], len(rows)) * 2.5
     assert names(diagnosed(read(changed(recording, **{ANGLE: values})))) == {"marker_outliers"}
+
+
+def test_tails_of_what_is_read_in_levels_throw_none_far() -> None:
+    """Residuals of a sensor with levels are peaked: Student's t would have them go far."""
+    problem = posed(recorded({}))
+    rng, n = np.random.default_rng(7), len(problem.measured)
+    off = np.clip(0.05 * rng.standard_t(1.2, n), -1.2, 1.2)
+    odd = problem.train & (np.arange(n) % 120 == 20)
+    measured = 1.0 * problem.simulated + np.where(odd, 1.6, off)
+    levels = Levels(0.6, 0.0, np.zeros(n), 0.1)
+    for read, tails in ((None, True), (measured, False)):
+        told = replace(problem, measured=measured, read=read, levels=levels)
+        ground = ground_of(told, NoiseModel(0.1), problem.train & ~odd)
+        explanation = replace(explanation_of([chosen(ground, 0.0)]), outliers=odd)
+        assert of_heavy_tails(explanation) == tails

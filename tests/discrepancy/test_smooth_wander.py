@@ -21,6 +21,7 @@ from pipeline.recording import Recording
 from tests.discrepancy.made import (
     ANGLE,
     NOISE,
+    SIMULATED,
     STEPS,
     changed,
     diagnosed,
@@ -172,3 +173,31 @@ def test_it_says_how_far(drifting):
     told = zero_that_wanders(zero, evidence)
     assert (told.name, told.site, told.alternatives) == ("drift", "sensor", ())
     assert told.says.startswith("The zero wanders smoothly, by about 1.")
+
+
+@pytest.mark.parametrize(("lead", "sure"), [(18.0, False), (25.0, True)])
+def test_a_zero_has_to_be_much_likelier_than_all_else_that_may_wander(monkeypatch, lead, sure):
+    found = beside(explained(made({}, 6, 6.0)).choices[0].fit)
+    other = replace(found, log_likelihood=found.log_likelihood - lead)
+    monkeypatch.setattr(smooth_wander, "beside", lambda *_: other)
+    assert smooth_wander.is_zero(found) == sure
+
+
+@pytest.mark.parametrize("rings", [True, False])
+def test_beside_what_rings_after_long_steps_no_zero_is_said_to_wander(rings):
+    """Cycles in which one step in ten is four times as long; samples that are off after those."""
+    way = np.where(np.arange(STEPS // 2) % 10 == 3, 4.0, 1.0)
+    stroke = np.cumsum(way) / way.sum()
+    cycle = 110.0 * np.concatenate([stroke, stroke[::-1]]) - 55.0
+    command = np.tile(cycle, CYCLES)
+    plain, rng = recorded({}, cycles=CYCLES), np.random.default_rng(8)
+    long = np.flatnonzero(np.abs(np.diff(command, prepend=command[:1])) > 3.0)
+    off = np.zeros(len(command))
+    off[rng.choice(long if rings else len(command), 14, replace=False)] = 9.0
+    angle = 0.7 * command
+    noise = NOISE * rng.standard_normal(len(command))
+    measured = angle + off + noise + 6.0 * NOISE * wander(6)
+    columns = {"pitch_command_deg": command, SIMULATED: angle, ANGLE: measured}
+    (told,) = diagnosed(changed(plain, **columns)).diagnoses
+    assert ("drift" in {p.name for p in told.physics}) != rings
+    assert (told.verdict == "explained") != rings
