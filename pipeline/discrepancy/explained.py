@@ -41,16 +41,13 @@ def between_levels(problem: Problem, explanation: Explanation) -> Problem:
     levels, seen = problem.levels, np.where(problem.train, problem.measured, np.nan)
     if levels is None:
         return problem
-    best: tuple[float, float, np.ndarray] | None = None
+    tried = []
     for choice in by_names(explanation.choices)[:TRIED]:
         expected = predicted_by(problem, choice)
         spread, cost = levels.spread(expected, seen)
-        cost += choice.score - choice.fit.cost
-        if best is None or cost < best[0]:
-            best = cost, spread, expected
-    if best is None or best[1] > BLURRED:
-        return problem
-    return problem.between_levels(best[2], best[1])
+        tried.append((cost + choice.score - choice.fit.cost, spread, expected))
+    _, spread, expected = min(tried, key=lambda one: one[0])
+    return problem if spread > BLURRED else problem.between_levels(levels, expected, spread)
 
 
 def unclear(explanation: Explanation) -> bool:

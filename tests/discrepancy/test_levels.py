@@ -134,7 +134,7 @@ def test_tails_of_what_is_read_in_levels_throw_none_far() -> None:
     rng, n = np.random.default_rng(7), len(problem.measured)
     off = np.clip(0.05 * rng.standard_t(1.2, n), -1.2, 1.2)
     odd = problem.train & (np.arange(n) % 120 == 20)
-    measured = 1.0 * problem.simulated + np.where(odd, 1.6, off)
+    measured = problem.simulated + np.where(odd, 1.6, off)
     levels = Levels(0.6, 0.0, np.zeros(n), 0.1)
     for read, tails in ((None, True), (measured, False)):
         told = replace(problem, measured=measured, read=read, levels=levels)

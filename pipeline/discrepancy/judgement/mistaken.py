@@ -228,10 +228,10 @@ def after_others(lengths: np.ndarray, explanation: Explanation) -> float:
     """How likely such rows come after steps or waits (n - 1,) as much unlike the rest by chance.
 
     A camera mistakes a marker whatever came before; a joint that still rings does not, nor one
-    that an old frame shows on its way (Kolmogorov-Smirnov). 1 where there are fewer than FEWEST.
+    that an old frame shows on its way (Kolmogorov-Smirnov). 1 where there are none.
     """
     rows = incredible(explanation)
-    if rows[1:].sum() < FEWEST:
+    if not rows[1:].any():
         return 1.0
     from scipy.stats import ks_2samp  # 0.3 s: only mistaken frames wait for it
 

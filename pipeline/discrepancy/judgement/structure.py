@@ -12,7 +12,7 @@ from pipeline.discrepancy.judgement.force_rest import (
     too_slow,
 )
 from pipeline.discrepancy.judgement.hum import hum
-from pipeline.discrepancy.judgement.mistaken import after_others, incredible
+from pipeline.discrepancy.judgement.mistaken import FEWEST, after_others, incredible
 from pipeline.discrepancy.judgement.recurrence import foretold_share
 from pipeline.discrepancy.judgement.rest import Rest, repeated_rest, structured_rest, two_valued
 from pipeline.discrepancy.judgement.swinging import swings
@@ -241,8 +241,10 @@ def ringing(explanation: Explanation, choice: Choice) -> Sign | None:
     problem = explanation.problem
     if problem.derivatives is not None or not explanation.outliers.any():
         return None
-    p_value = after_others(np.abs(np.diff(problem.motion.drive)), explanation)
     off = (problem.measured - choice.fit.predicted)[incredible(explanation)]
+    if len(off) < FEWEST:
+        return None
+    p_value = after_others(np.abs(np.diff(problem.motion.drive)), explanation)
     size = float(np.sqrt(np.sum(off**2) / problem.train.sum()))
     return Sign(RINGS, size, p_value) if p_value < RARE else None
 

@@ -88,9 +88,8 @@ def learn_noise(problem: Problem, expected: np.ndarray | None = None) -> NoisePr
         return NoisePrior(model, 0, UNSURE, (), FINEST * problem.around.angle_span)
     expected = problem.simulated if expected is None else expected
     residual = np.where(problem.train, problem.measured - expected, np.nan)
-    rounded = quantum_of(problem.measured) / np.sqrt(12.0)
-    if problem.levels is not None:
-        rounded = problem.levels.least
+    levels = problem.levels
+    rounded = quantum_of(problem.measured) / np.sqrt(12.0) if levels is None else levels.least
     finest = max(FINEST * problem.around.angle_span, rounded)
     groups = repeated_cycles(problem)
     if not groups and problem.motion.others:

@@ -135,18 +135,17 @@ class Problem:
             read=None if self.read is None else self.read[wanted],
         )
 
-    def between_levels(self, expected: np.ndarray, spread: float) -> "Problem":
-        """The problem without what readings of expected values (n,) are off on average.
+    def between_levels(self, levels: Levels, expected: np.ndarray, spread: float) -> "Problem":
+        """The problem without what readings of expected values (n,) are off by being read.
 
         spread: of the noise that was read with them [levels' steps].
         """
-        assert self.levels is not None
-        off = self.levels.off_by_reading(expected, self.measured, spread)
+        off = levels.off_by_reading(expected, self.measured, spread)
         return replace(
             self,
             measured=self.measured - off,
             read=self.measured,
-            levels=self.levels.less_average(spread),
+            levels=levels.less_average(spread),
         )
 
 
