@@ -8,6 +8,7 @@ import pytest
 from pipeline.discrepancy.explained import explained
 from pipeline.discrepancy.fitting.ground import ground_of
 from pipeline.discrepancy.judgement.mistaken import of_heavy_tails
+from pipeline.discrepancy.judgement.structure import rounded
 from pipeline.discrepancy.noise.noise import NoiseModel
 from pipeline.discrepancy.problem.levels import (
     Levels,
@@ -119,6 +120,13 @@ def test_what_was_read_stays_what_errors_are_told_of() -> None:
     (found,) = result.diagnoses
     assert any("The sensor reads in steps of 0.7 deg" in note for note in found.notes)
     assert model.noise.deviation == pytest.approx(np.hypot(0.1, STEP / np.sqrt(12.0)), rel=0.1)
+
+
+@pytest.mark.parametrize("noise", [0.1, 0.15])
+def test_structure_is_looked_for_beside_levels(noise: float) -> None:
+    problem, explanation = explained(posed(read(recorded({}, noise=noise))))
+    assert problem.read is not None
+    assert not rounded(explanation, explanation.choices[0])
 
 
 def test_mistaken_frames_are_told_though_levels_are_peaked() -> None:

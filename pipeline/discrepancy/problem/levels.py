@@ -17,6 +17,7 @@ from pipeline.discrepancy.problem.stale import levels_of
 NEIGHBOURS = np.arange(-3, 3) + 0.5
 LOST, LEAST, SHARP, BLURRED = 1e-4, 0.02, 0.1, 0.45
 ON_ONE, NEARLY_ALL, SAME = 0.05, 0.9, 1e-6
+SURELY = 0.8  # of what readings deviate by, so that structure beside it is looked for
 
 
 @dataclass(frozen=True)
@@ -61,7 +62,8 @@ class Levels:
 
         Over all places between two levels the variance is the noise's share of both being read.
         """
-        return replace(self, least=self.step * float(np.sqrt(max(spread, SHARP) / np.sqrt(np.pi))))
+        deviation = self.step * float(np.sqrt(max(spread, SHARP) / np.sqrt(np.pi)))
+        return replace(self, least=SURELY * deviation)
 
 
 def levels_read(came: np.ndarray, measured: np.ndarray) -> Levels | None:
