@@ -1,5 +1,6 @@
 """The next experiment: the block of motion that best separates explanations that tie."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations, product
@@ -207,14 +208,16 @@ class Drive:
     def table(self, block: Block) -> pd.DataFrame:
         """`time_s` from 0 and every command, a row for each sample."""
         dwell_s = np.concatenate([s.dwell_s for s in block.segments])
-        columns = {"time_s": np.round(np.cumsum(dwell_s) - dwell_s[0], 3)}
+        time_s = np.cumsum(dwell_s) - dwell_s[0]
+        columns = {"time_s": np.round(time_s, digits(float(dwell_s.min()), 3))}
         for name in self.names:
             still = self.homes[name]
             parts = [
                 s.drive if name == self.leader else s.others.get(name, np.full(len(s.drive), still))
                 for s in block.segments
             ]
-            columns[name] = np.round(np.concatenate(parts), 6)
+            column = np.concatenate(parts)
+            columns[name] = np.round(column, digits(float(np.ptp(column)), 6))
         return pd.DataFrame(columns)
 
     def motion(self, block: Block) -> Motion:
@@ -237,6 +240,11 @@ class Drive:
             zeros=self.zeros,
             kinetics=kinetics,
         )
+
+
+def digits(size: float, least: int) -> int:
+    """Decimals that leave a size its first six digits or more, and at least so many."""
+    return max(least, 5 - math.floor(math.log10(size))) if size > 0.0 else least
 
 
 def weigh(block: Block, drive: Drive, evidence: Evidence, rivals: Sequence[Hypothesis]) -> Weighed:

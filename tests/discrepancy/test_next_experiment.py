@@ -289,6 +289,23 @@ def test_a_path_keeps_its_corners() -> None:
     assert (found.dwell_s == 2.0).all()
 
 
+def test_samples_within_a_millisecond_keep_their_times() -> None:
+    time_s = np.arange(2000) * 2e-4
+    command = 1e-4 * np.sin(2.0 * np.pi * 5.0 * time_s)
+    habit = habit_of(time_s, command, {})
+    assert habit is not None
+    drive = Drive("position_m", habit, ["position_m"], {"position_m": 0.0}, {"position_m": 1.0},
+                  0.0, [], 1.0, {}, 0.4, 1, True, "m")  # fmt: skip
+    for block in blocks(habit):
+        table = drive.table(block)
+        assert np.diff(table["time_s"]) == pytest.approx(
+            np.concatenate([s.dwell_s for s in block.segments])[1:], rel=1e-3
+        )
+        written = np.concatenate([s.drive for s in block.segments])
+        assert table["position_m"].to_numpy() == pytest.approx(written, abs=1e-9)
+        assert len(drive.motion(block).kinetics.acceleration) == len(table)
+
+
 def test_power_is_the_chance_of_a_decisive_likelihood_ratio() -> None:
     rng = np.random.default_rng(0)
     for distance in (2.0, 4.0, 6.0):
