@@ -1,7 +1,10 @@
 """An angle explained, also as a sensor with levels reads it and as its simulation moves itself."""
 
+from dataclasses import replace
+
 import numpy as np
 
+from pipeline.discrepancy.fitting.fit import evaluate, improve
 from pipeline.discrepancy.judgement.decision import predicted_by
 from pipeline.discrepancy.problem.levels import BLURRED
 from pipeline.discrepancy.problem.problem import Problem
@@ -10,7 +13,7 @@ from pipeline.discrepancy.search.explain import Explanation, explain
 from pipeline.discrepancy.search.refuted import not_noise
 from pipeline.discrepancy.search.weighing import by_names
 
-TRIED, CLEARLY = 12, 2.0
+TRIED, FEW, CLEARLY = 12, 2, 2.0
 
 
 def explained(problem: Problem) -> tuple[Problem, Explanation]:
@@ -21,14 +24,49 @@ def explained(problem: Problem) -> tuple[Problem, Explanation]:
     should have read is; then it is taken off them.
     """
     explanation = explain(thinned(problem)[0])
-    if problem.traced is not None and unclear(explanation):
-        other = explain(thinned(problem.traced)[0])
-        if better_by_row(other, explanation):
-            problem, explanation = problem.traced, other
+    for other in otherwise_simulated(problem, explanation):
+        found = explain(thinned(other)[0])
+        if better_by_row(found, explanation):
+            problem, explanation = other, found
     between = between_levels(problem, explanation)
     if between is problem:
         return problem, explanation
     return between, explain(thinned(between)[0])
+
+
+def otherwise_simulated(problem: Problem, explanation: Explanation) -> list[Problem]:
+    """The problem with its simulation taken apart in another way, where that may explain more.
+
+    Its trace may drive in place of a curve, or its own lag come last, behind the joint, if some
+    choice is better so.
+    """
+    if not unclear(explanation):
+        return []
+    if problem.traced is not None:
+        return [problem.traced]
+    last = problem.late_last
+    return [] if last is None or not promising(last, explanation) else [last]
+
+
+def promising(other: Problem, explanation: Explanation) -> bool:
+    """Whether some choice with terms at the joint explains more in another problem of its rows.
+
+    A few terms may: what is piled up in their place leads the choices.
+    """
+    small, search = thinned(other)[0], explanation.search
+    at_joint = [
+        c
+        for c in by_names([*explanation.choices, *search.seen.values()])
+        if any(p.term.in_balance for p in c.fit.pieces)
+    ]
+    few = [c for c in at_joint if len(c.fit.pieces) <= FEW]
+    for choice in [*few[:TRIED], *at_joint[:TRIED]]:
+        fit = choice.fit
+        ground = replace(fit.ground, problem=small)
+        trial = search.weighed(improve(evaluate(ground, fit.pieces)), choice.place)
+        if trial.score < explanation.choices[0].score - CLEARLY:
+            return True
+    return False
 
 
 def between_levels(problem: Problem, explanation: Explanation) -> Problem:

@@ -19,6 +19,18 @@ class Piece:
     values: np.ndarray
 
 
+@dataclass(frozen=True)
+class OwnCourse:
+    """What a simulation itself has beside its curve: play before that, or a lag.
+
+    last: whether a lag comes behind the joint's balance, as a sensor's or a filter's does, not
+    before it, as a motor's.
+    """
+
+    piece: Piece
+    last: bool = False
+
+
 State = Mapping[str, np.ndarray]
 COURSE = "course"
 
@@ -47,8 +59,7 @@ class Mechanism:
     Terms that are in balance (friction, compliance, gravity, contact, stop) meet in one implicit
     equation, see `balance.py`. The answer is gain * seen + offset + error(seen). Where a force is
     measured against the motion, terms add to the simulated force and the gain is that of the
-    simulation: gain * simulated + offset + what the terms add. course: what the simulation itself
-    has beside its curve, next to that: play before it, or a lag behind it.
+    simulation: gain * simulated + offset + what the terms add.
     """
 
     curve: Curve = field(default_factory=IdentityCurve)
@@ -56,7 +67,7 @@ class Mechanism:
     gain: float = 1.0
     offset: float = 0.0
     error: SmoothError | None = None
-    course: Piece | None = None
+    course: OwnCourse | None = None
 
     def respond(self, motion: Motion, state: State | None = None) -> tuple[np.ndarray, State]:
         """The angle of each sample, shape (n,), and the state after the last one.
@@ -90,12 +101,21 @@ class Mechanism:
         self, signal: np.ndarray, motion: Motion, before: State, after: dict[str, np.ndarray]
     ) -> np.ndarray:
         """What the simulation makes of a drive that terms have altered, (n,)."""
-        if self.course is None:
+        if self.course is None or self.course.last:
             return self.curve(signal)
-        term, values = self.course.term, self.course.values
-        asked = signal if term.before_curve else self.curve(signal)
-        asked, after[COURSE] = term.respond(asked, motion, values, before.get(COURSE))
-        return self.curve(asked) if term.before_curve else asked
+        if self.course.piece.term.before_curve:
+            return self.curve(self._late(signal, motion, before, after))
+        return self._late(self.curve(signal), motion, before, after)
+
+    def _late(
+        self, signal: np.ndarray, motion: Motion, before: State, after: dict[str, np.ndarray]
+    ) -> np.ndarray:
+        """A signal behind what the simulation itself has, (n,)."""
+        if self.course is None:
+            return signal
+        term, values = self.course.piece.term, self.course.piece.values
+        late, after[COURSE] = term.respond(signal, motion, values, before.get(COURSE))
+        return late
 
     def balanced(self, asked: np.ndarray, motion: Motion) -> Trace:
         """The same where all that the wire asks for (n,) is known."""
@@ -117,6 +137,8 @@ class Mechanism:
         if balanced:
             body, states = settle(asked, balanced, motion, self.curve, before.get(BALANCE), before)
             after |= states
+        if self.course is not None and self.course.last:
+            body = self._late(body, motion, before, after)
         return self._sensed(asked, body, pieces, motion, before, after)
 
     def _sensed(

@@ -107,6 +107,33 @@ def test_its_stored_model_answers_with_the_simulations_lag(geared):
     assert np.std(recording.values(ANGLE) - without.predict(evidence.motion)[0]) > 5.0 * NOISE
 
 
+@pytest.fixture(scope="module")
+def stopped():
+    """A joint that stops at 12 deg, seen through a filter that is late; the simulation knows it."""
+    recording = real(late(curved(DRIVE)), late(np.minimum(curved(DRIVE), 12.0)))
+    return recording, diagnosed(recording)
+
+
+def test_a_lag_of_the_sensor_comes_behind_what_is_missing_at_the_joint(stopped):
+    _, found = stopped
+    assert names(found) <= {"end_stop", "contact"}
+    assert found.diagnoses[0].verdict in ("explained", "ambiguous")
+    assert found.diagnoses[0].after.heldout_rmse < 1.1 * NOISE
+    assert any("acts before it, at the joint too" in note for note in found.diagnoses[0].notes)
+
+
+def test_its_stored_model_has_the_lag_last(stopped):
+    _, found = stopped
+    (model,), (evidence,) = found.models, found.evidence
+    stored = from_json(as_json(model), ["yaw_command_deg"])
+    assert stored.mechanism.course is not None
+    assert stored.mechanism.course.last
+    np.testing.assert_array_equal(stored.predict(evidence.motion)[0], evidence.after)
+    first = replace(stored.mechanism, course=replace(stored.mechanism.course, last=False))
+    other = first.respond(evidence.motion)[0] - stored.mechanism.respond(evidence.motion)[0]
+    assert np.max(np.abs(other)) > 5.0 * NOISE
+
+
 def test_a_lag_that_the_simulation_has_is_no_mismatch():
     found = diagnosed(real(late(curved(DRIVE)), late(curved(DRIVE))))
     assert found.diagnoses[0].verdict == "no_mismatch"

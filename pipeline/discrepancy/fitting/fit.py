@@ -109,7 +109,7 @@ def respond_beside(fit: Fit, pieces: Sequence[Piece], *changed: Term) -> Trace:
     problem = fit.ground.problem
     if any(term.before_curve for term in changed) or not problem.by_row(pieces):
         return problem.trace(pieces)
-    mechanism, known = Mechanism(problem.curve, pieces), fit.trace
+    mechanism, known = Mechanism(problem.curve, pieces, course=problem.course), fit.trace
     if any(term.in_balance for term in changed):
         return mechanism.balanced(known.asked, problem.motion)
     return mechanism.sensed(known.asked, known.body, problem.motion)

@@ -83,12 +83,15 @@ def decided(problem: Problem, explanation: Explanation) -> Decision:
         drifts = walks_far(explanation, best)
         where = strained(problem, off, counted, best.fit.ground.noise, drifts)
         structure = replace(structure, found=where is not None, where=where or structure.where)
-    if not structure.found:
+    walked = unrepeated and best.fit.ground.noise.walk > 0.0
+    if not (structure.found or walked):
         return Decision(explanation, best, structure)
     sound = absurd is None and not (lost or undone or ringing(explanation, told))
     wandered = beside_a_wander(problem, explanation, told) if sound else None
     if wandered is not None:
         return wandered
+    if not structure.found:
+        return Decision(explanation, best, structure)
     share = max(structure.share, share_left(explanation, best))
     best = best if best.fit.pieces else evenly_calibrated(best, explanation.used)
     return Decision(explanation, best, replace(structure, share=share))

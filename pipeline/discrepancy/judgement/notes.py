@@ -142,10 +142,12 @@ def course_note(problem: Problem) -> list[str]:
     """What the simulation has beside its curve, and where named terms act."""
     if problem.course is None:
         return []
-    term, values = problem.course.term, problem.course.values
+    piece = problem.course.piece
+    where = "before it, at the joint too" if problem.course.last else "inside of it"
     return [
-        f"The simulation itself has, of {problem.drive}: {term.sentence(values, problem.around)} "
-        "That is kept as it is: what is named acts inside of it."
+        f"The simulation itself has, of {problem.drive}: "
+        f"{piece.term.sentence(piece.values, problem.around)} "
+        f"That is kept as it is: what is named acts {where}."
     ]
 
 

@@ -64,13 +64,13 @@ class Beside:
 def wandering(explanation: Explanation, best: Choice) -> tuple[Explanation, Beside] | None:
     """The explanation beside a zero that wanders smoothly, if that is what the best choice leaves.
 
-    Its choices weighed anew, the best one first, and that beside the zero. Cycles that repeat have
-    to bear it out, and it must be the zero that wanders: nothing of what is left follows the
-    commands, and what wanders is surely as large at each command and in each direction, not like a
+    Its choices weighed anew, the best one first, and that beside the zero. Cycles that repeat, if
+    any do, have to bear it out, and it must be the zero that wanders: nothing of what is left
+    follows the commands, and what wanders is surely as large at each command and in each direction, not like a
     gain or play that wanders.
     """
     problem, prior = explanation.problem, explanation.prior
-    if problem.derivatives is not None or prior.repeats == 0:
+    if problem.derivatives is not None:
         return None
     first, *others = reconsidered(explanation, best)
     begun = beside(first)

@@ -12,7 +12,7 @@ from pipeline.discrepancy.noise.noise import NoiseModel
 from pipeline.errors import LoopgapError, refusal
 from pipeline.physics.catalogue import term
 from pipeline.physics.kinematics import Beside, Curve, IdentityCurve, SampledCurve, SmoothError
-from pipeline.physics.mechanism import Mechanism, Piece
+from pipeline.physics.mechanism import Mechanism, OwnCourse, Piece
 from pipeline.physics.motion import Motion
 from pipeline.physics.term import Surroundings, Term
 
@@ -178,7 +178,7 @@ def as_json(model: CorrectedModel) -> dict[str, Any]:
         "simulated": model.simulated,
         "delay_s": model.delay_s,
         "curve": curve,
-        "course": None if m.course is None else _told(m.course),
+        "course": None if m.course is None else _told(m.course.piece) | {"last": m.course.last},
         **_fitted(m, model.zero),
         "later": None if model.later is None else _fitted(model.later, None),
         "lasted_s": model.lasted_s if np.isfinite(model.lasted_s) else None,
@@ -225,7 +225,10 @@ def from_json(entry: Mapping[str, Any], others: list[str]) -> CorrectedModel:
         if entry["curve"] is not None:
             c = entry["curve"]
             curve = SampledCurve(c["first"], c["spacing"], np.array(c["angle"], dtype=float))
-        course = None if entry.get("course") is None else _piece(entry["course"], others)
+        course = None
+        if entry.get("course") is not None:
+            own = entry["course"]
+            course = OwnCourse(_piece(own, others), own.get("last", False))
         like = Mechanism(curve, course=course)
         mechanism = _refitted(entry, like, others)
         rivals = tuple(

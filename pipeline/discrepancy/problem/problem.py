@@ -22,7 +22,7 @@ from pipeline.discrepancy.problem.stale import NONE_STALE, StaleSamples, hung_sa
 from pipeline.errors import refusal
 from pipeline.physics.differentiation import Derivatives
 from pipeline.physics.kinematics import Curve, straightened
-from pipeline.physics.mechanism import Mechanism, Piece, Trace
+from pipeline.physics.mechanism import Mechanism, OwnCourse, Piece, Trace
 from pipeline.physics.motion import Motion
 from pipeline.physics.term import Surroundings
 from pipeline.recording import Recording
@@ -81,7 +81,7 @@ class Problem:
     replaced: np.ndarray | None = None
     unsettled: int = 0
     own: float = 0.0
-    course: Piece | None = None
+    course: OwnCourse | None = None
     levels: Levels | None = None
     read: np.ndarray | None = None
     traced: "Problem | None" = None
@@ -94,6 +94,13 @@ class Problem:
     def mixed(self) -> bool:
         """Whether the simulation's trace mixes commands: then no one shaft is behind it."""
         return self.drive in self.motion.others
+
+    @property
+    def late_last(self) -> "Problem | None":
+        """The problem with the simulation's own lag behind the joint; None where it has none."""
+        if self.course is None or self.course.piece.term.before_curve:
+            return None
+        return replace(self, course=replace(self.course, last=True))
 
     def trace(self, pieces: Sequence[Piece]) -> Trace:
         """What a mechanism of some pieces does over all rows, without calibration."""
@@ -120,7 +127,7 @@ class Problem:
         """The samples behind the rows that pieces have to answer on, if the rows are too few."""
         if self.picked is None:
             return None
-        return self.picked.behind(pieces if self.course is None else [*pieces, self.course])
+        return self.picked.behind(pieces if self.course is None else [*pieces, self.course.piece])
 
     def rows(self, wanted: np.ndarray) -> "Problem":
         """The same problem on some of its rows (indices)."""
@@ -205,7 +212,8 @@ def pose_problem(
     return Problem(
         motion, curve, measured, simulated, train, known & heldout, around, tolerance,
         drive, static, counted=counted, rough=rough, stale=stale, replaced=replaced,
-        unsettled=int(unsettled.sum()), own=own, course=None if course is None else course.piece,
+        unsettled=int(unsettled.sum()), own=own,
+        course=None if course is None else OwnCourse(course.piece),
         levels=levels_read(came, measured), traced=trace,
     )  # fmt: skip
 
