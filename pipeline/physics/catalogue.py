@@ -70,6 +70,7 @@ from pipeline.physics.worn_play import WornPlay
 from pipeline.physics.yielding_wire import YieldingWire
 
 RUBS = (0.3, 1.0)
+ONE_WAVE = 0.6  # of the drive's range: a cubic beside its gain is hardly more than one wave
 BEND, BENDING, RISING = "bend", LensDistortion("second"), StiffeningJoint("progressive")
 SHEATH_FORCES = tuple(SheathForce(f) for f in ("near", "far", "near falling", "far falling"))
 PRESSED = tuple(
@@ -249,13 +250,17 @@ def instead(term: Term, values: np.ndarray, motion: Motion, around: Surroundings
 
     As wide at the joint, it gives way over some of that or all: where another term stays behind as
     well, it has grown beside sharp corners to what no linear step leads away from. Nor does a step
-    lead from what is late to the swing that is as late, of a motion that is sampled finely.
+    lead from what is late to the swing that is as late, of a motion that is sampled finely. A
+    ripple of which the drive sees hardly more than a wave may bend as a joint or a lens does, in
+    forms that no search begins with.
     """
     told = list(term.instead(values, motion, around))
     named = dict(zip((p.name for p in term.parameters(around)), values, strict=True))
     if term.name == Backlash.name and "width" in named:
         width = named["width"] * (around.angle_span / around.drive_span if term.before_curve else 1)
         told += [[(Friction(), np.array([width, part * width, 0.7]))] for part in RUBS]
+    if named.get("period", 0.0) > ONE_WAVE * around.drive_span and term.periodic:
+        told += [[(t, v)] for t in (RISING, BENDING) for v in t.candidates(motion, around)]
     lag_s = named.get("lag" if term.form in OF_TIME else "time_constant", 0.0)
     if term.group == "lag" and lag_s > 0.0:
         told += swinging_as(lag_s) if around.dwell_s < STEP_AND_WAIT_S else []

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from pipeline.physics.catalogue import instead
 from pipeline.physics.motion import Motion
 from pipeline.physics.off_centre_ripple import OffCentreRipple
 from pipeline.physics.swelling_ripple import SwellingRipple
@@ -45,3 +46,16 @@ def test_a_wheel_off_its_centre_is_begun_again_as_teeth_with_its_harmonics():
         [[(teeth, told)]] = wheel.instead(values, MOTION, Surroundings())
         off = ripple(teeth, *told) - ripple(wheel, *values)
         assert np.abs(off).max() < 0.8 * abs(e) ** 3 / (1.0 - abs(e))
+
+
+def test_a_ripple_of_hardly_more_than_a_wave_may_be_a_bend_instead():
+    around = Surroundings(
+        100.0, -50.0, 50.0, -25.0, 1.0, 1.0, 3.0, 0.0, 300.0, 3, 300.0, "deg", "deg", {}, {}
+    )
+    ripple, size = TransmissionRipple(), np.array([0.5, 70.0, 0.1])
+    told = instead(ripple, size, MOTION, around)
+    assert {(t.name, t.form) for ((t, _),) in told} == {
+        ("compliance", "progressive"),
+        ("lens_distortion", "second"),
+    }
+    assert not instead(ripple, np.array([0.5, 50.0, 0.1]), MOTION, around)
