@@ -7,28 +7,30 @@ import numpy as np
 
 from pipeline.number_words import worded
 from pipeline.physics.balance import Load
-from pipeline.physics.coupling_ways import Dragging, Late, Lever, Rate, Way, scale_of
+from pipeline.physics.coupling_ways import Cubic, Dragging, Late, Lever, Rate, Way, scale_of
 from pipeline.physics.held import STEP_AND_WAIT_S
 from pipeline.physics.motion import Motion
 from pipeline.physics.term import HELD, NO_STATE, Parameter, Surroundings, Term
 
 DIRECT, LEVER, RATE, TORQUE = "/direct", "/lever", "/rate", "/torque"
-PLAY, LATE = "/play", "/late"
-PLAYING, LAGGING = f"{PLAY}{DIRECT}", f"{LATE}{DIRECT}"
+PLAY, LATE, CUBIC = "/play", "/late", "/cubic"
+PLAYING, LAGGING, CURVED = f"{PLAY}{DIRECT}", f"{LATE}{DIRECT}", f"{CUBIC}{DIRECT}"
 WAYS: Mapping[str, Way] = {
     PLAYING: Dragging(),
     LAGGING: Late(),
+    CURVED: Cubic(),
     PLAY: Dragging(),
     LATE: Late(),
+    CUBIC: Cubic(),
     LEVER: Lever(),
     RATE: Rate(),
 }
 NO_LOAD, BESIDES = (DIRECT, LEVER), (LEVER, RATE)
 GROWN: Mapping[str, tuple[str, ...]] = {
-    "": (PLAY, LATE, DIRECT, TORQUE),
+    "": (PLAY, LATE, CUBIC, DIRECT, TORQUE),
     PLAY: (LATE, PLAYING),
     LATE: (PLAY, LAGGING),
-    DIRECT: (PLAYING, LAGGING),
+    DIRECT: (PLAYING, LAGGING, CURVED),
     PLAYING: (LAGGING,),
     LAGGING: (PLAYING,),
 }
@@ -44,15 +46,15 @@ class Coupling(Term):
     Form "channel": gain v + bend v^2. Form "channel/play": what the other wire drags along until it
     slips besides. drag = -gain is a coupling through a wire that has play itself, gain = 0 a
     coupling by that wire's friction alone. Form "channel/late": what it drags along until it has
-    relaxed. In the balance, so that friction, slack and contact answer to it; a free joint moves by
-    as much, times the slope of its curve there over the mean one: the wires are pulled. It is told
-    as it is at home. Form "channel/torque" is a load on the joint itself, which moves a free one by
+    relaxed. Form "channel/cubic": its cube besides. In the balance, so that friction, slack and
+    contact answer to it; a free joint moves by as much, times the slope of its curve there over the
+    mean one: the wires are pulled. It is told as it is at home. Form "channel/torque" is a load on the joint itself, which moves a free one by
     as much wherever it is. Form "channel/direct" is none: what the joint stands on is turned by as
-    much; so it is, by a wire that drags, in forms "channel/play/direct" and "channel/late/direct".
-    Beside each of these may stand the forms "channel/rate", what the other axis drags along by its
-    speed, and "channel/lever": it changes this one's gain, which is no load either. See
-    `coupling_ways.py`. Source: wires of one joint that run through another, first two terms of the
-    power series.
+    much; so it is, by a wire that drags, in forms "channel/play/direct" and "channel/late/direct",
+    and with its cube in form "channel/cubic/direct". Beside each of these may stand the forms
+    "channel/rate", what the other axis drags along by its speed, and "channel/lever": it changes
+    this one's gain, which is no load either. See `coupling_ways.py`. Source: wires of one joint
+    that run through another, first terms of the power series.
     """
 
     name = "coupling"

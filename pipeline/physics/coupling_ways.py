@@ -134,6 +134,31 @@ class Late:
         return drag * (other - late), np.array([motion.time_s[-1], late[-1]])
 
 
+class Cubic:
+    """cubic v^3: the next term of the power series.
+
+    Source: an odd load, as of a wire whose lever turns with its own axis, is v and v^3 at first.
+    """
+
+    says: ClassVar = "{it} moves this one by {cubic} of its cube."
+    shapes: ClassVar = 0
+    timed: ClassVar = False
+
+    def parameters(self, scale: Scale) -> tuple[Parameter, ...]:
+        most = 4.0 * scale.reach / scale.span**2
+        unit = f"{scale.unit}^3"
+        return (Parameter("cubic", unit, -most, most, 0.0, 0.02 * most, measured=True),)
+
+    def starts(self, scale: Scale, gain: float) -> np.ndarray:
+        size = 4.0 * gain / scale.span**2
+        return np.array([[-size], [size]])
+
+    def pushed(
+        self, values: np.ndarray, other: np.ndarray, motion: Motion, state: np.ndarray | None
+    ) -> tuple[np.ndarray, np.ndarray]:
+        return values[0] * other**3, np.zeros(0)
+
+
 class Rate:
     """damping v', v' being the mean speed of the step that came last.
 

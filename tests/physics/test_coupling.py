@@ -47,6 +47,13 @@ def test_a_coupling_that_lets_go_of_all_of_its_gain_comes_late_as_a_whole():
         assert found[k] == pytest.approx(0.1 * late, abs=1e-9)
 
 
+@pytest.mark.parametrize("way", ["cubic", "cubic/direct"])
+def test_a_cubic_is_the_power_series_on_to_its_third_term(way):
+    yaw = np.linspace(-30.0, 30.0, 61)
+    found = answer(way, [0.1, 0.002, -3e-5], moved(yaw))
+    np.testing.assert_allclose(found, 0.1 * yaw + 0.002 * yaw**2 - 3e-5 * yaw**3, atol=1e-9)
+
+
 def test_a_lever_that_the_other_axis_turns_away_is_about_its_cosine():
     yaw, drive = np.linspace(-30.0, 30.0, 61), np.linspace(-50.0, 50.0, 61)
     found = answer("lever", [0.0, -0.5 * (np.pi / 180.0) ** 2], moved(yaw, drive))

@@ -66,8 +66,8 @@ def wandering(explanation: Explanation, best: Choice) -> tuple[Explanation, Besi
 
     Its choices weighed anew, the best one first, and that beside the zero. Cycles that repeat, if
     any do, have to bear it out, and it must be the zero that wanders: nothing of what is left
-    follows the commands, and what wanders is surely as large at each command and in each direction, not like a
-    gain or play that wanders.
+    follows the commands, and what wanders is surely as large at each command and in each direction,
+    not like a gain or play that wanders.
     """
     problem, prior = explanation.problem, explanation.prior
     if problem.derivatives is not None:
