@@ -48,13 +48,14 @@ class Coupling(Term):
     coupling by that wire's friction alone. Form "channel/late": what it drags along until it has
     relaxed. Form "channel/cubic": its cube besides. In the balance, so that friction, slack and
     contact answer to it; a free joint moves by as much, times the slope of its curve there over the
-    mean one: the wires are pulled. It is told as it is at home. Form "channel/torque" is a load on the joint itself, which moves a free one by
-    as much wherever it is. Form "channel/direct" is none: what the joint stands on is turned by as
-    much; so it is, by a wire that drags, in forms "channel/play/direct" and "channel/late/direct",
-    and with its cube in form "channel/cubic/direct". Beside each of these may stand the forms
-    "channel/rate", what the other axis drags along by its speed, and "channel/lever": it changes
-    this one's gain, which is no load either. See `coupling_ways.py`. Source: wires of one joint
-    that run through another, first terms of the power series.
+    mean one: the wires are pulled. It is told as it is at home. Form "channel/torque" is a load on
+    the joint itself, which moves a free one by as much wherever it is. Form "channel/direct" is
+    none: what the joint stands on is turned by as much; so it is, by a wire that drags, in forms
+    "channel/play/direct" and "channel/late/direct", and with its cube in "channel/cubic/direct".
+    Beside each of these may stand the forms "channel/rate", what the other axis drags along by its
+    speed, and "channel/lever": it changes this one's gain, which is no load either. See
+    `coupling_ways.py`. Source: wires of one joint that run through another, first terms of the
+    power series.
     """
 
     name = "coupling"
