@@ -1,4 +1,4 @@
-"""Play whose flanks give: what they push comes after, sooner than the next sample but one."""
+"""Play whose flanks give: what they push comes a little after."""
 
 import numpy as np
 from numba import njit
@@ -8,7 +8,7 @@ from pipeline.physics.held import STEP_AND_WAIT_S, dwells
 from pipeline.physics.motion import Motion
 from pipeline.physics.term import Parameter, Surroundings
 
-SLOWEST = 0.5
+SLOWEST, LONGEST = 0.5, 0.005  # of the time from sample to sample, and of a cycle
 SETTLE = (0.1, 0.25)
 
 
@@ -58,7 +58,8 @@ class YieldingPlay(DrivePlay):
 
     Play as `backlash.py` has it pushes with rigid flanks. Teeth, pins and wires give a little, and
     the load, held by friction of its own, comes after: within half of the time from sample to
-    sample at most, else it is a lag of the joint. It starts in the middle of its gap.
+    sample, or half a per cent of a cycle, at most, else it is a lag of the joint. It starts in the
+    middle of its gap.
     Source: Nordin and Gutman, Automatica 38 (2002) 1633 (a shaft that gives behind a dead zone,
     its load overdamped).
     """
@@ -71,7 +72,7 @@ class YieldingPlay(DrivePlay):
     )
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
-        most = SLOWEST * max(around.dwell_s, 1e-9)
+        most = max(SLOWEST * max(around.dwell_s, 1e-9), LONGEST * around.period_s)
         return (
             self.width(around),
             Parameter("settling", "s", 0.0, most, 0.5 * most, 0.0),

@@ -7,6 +7,7 @@ from pipeline.discrepancy.search.choose import extended
 from pipeline.discrepancy.search.coasted import coasted
 from pipeline.discrepancy.search.elsewhere import Key, freed
 from pipeline.discrepancy.search.exchange import exchanged
+from pipeline.discrepancy.search.flanked import flanked
 from pipeline.discrepancy.search.growth import grown
 from pipeline.discrepancy.search.moves import (
     merged,
@@ -31,7 +32,7 @@ from pipeline.physics.friction import Friction
 WORTH, ROUNDS = 150.0, 6
 MOVES = (
     unpromised, unshifted, stepped, recurved, played, coasted, rubbed, parted, queued, one_damper,
-    one_late, redrawn,
+    one_late, flanked, redrawn,
 )  # fmt: skip
 Tried = dict[Key, tuple[float, float]]
 

@@ -1,0 +1,31 @@
+"""Play whose flanks give, in place of play and what comes late beside it."""
+
+import numpy as np
+
+from pipeline.discrepancy.fitting.fit import ITERATIONS, evaluate, improve
+from pipeline.discrepancy.search.weighing import Choice, Search
+from pipeline.physics.mechanism import Piece
+from pipeline.physics.yielding_play import YieldingPlay
+
+FLANKS = YieldingPlay()
+
+
+def flanked(search: Search, choice: Choice) -> Choice:
+    """The choice with play whose flanks give in place of play and a lag, if that is better.
+
+    Sharp play and a lag of the whole come near it; neither gains anything beside it, and it gains
+    nothing beside the lag.
+    """
+    found, fit = choice, choice.fit
+    problem = fit.ground.problem
+    if problem.derivatives is not None or not FLANKS.excited(problem.motion, problem.around):
+        return choice
+    late = [p for p in fit.pieces if p.term.remembers == "time" and p.term.group != FLANKS.group]
+    plays = [p for p in fit.pieces if p.term.name == FLANKS.name and p.term.before_curve]
+    _, settling = FLANKS.parameters(problem.around)
+    for play in plays:
+        given = Piece(FLANKS, np.array([play.values[0], settling.start]))
+        for lag in late:
+            trial = evaluate(fit.ground, [*fit.without(play, lag), given])
+            found = search.better(found, improve(trial, 2 * ITERATIONS))
+    return found
