@@ -67,6 +67,7 @@ from pipeline.physics.two_ripples import TwoRipples
 from pipeline.physics.viscous_friction import ViscousFriction
 from pipeline.physics.waving_drift import WavingDrift
 from pipeline.physics.worn_play import WornPlay
+from pipeline.physics.yielding_play import FOLLOWING, YieldingPlay
 from pipeline.physics.yielding_wire import YieldingWire
 
 RUBS = (0.3, 1.0)
@@ -87,7 +88,7 @@ PRESSED = tuple(
 DRIVEN, CARRYING = Friction("driven"), Friction("driven on")
 SPRUNG, LATE_DAMPER = ViscousFriction("sprung"), LateDamper()
 LATE = (ForceLag(), ForceLag(SWINGING), FrameLag(OLD))
-WORN, QUEUE = WornPlay(), QueuedFrames()
+WORN, FLANKS, QUEUE = WornPlay(), YieldingPlay(FOLLOWING), QueuedFrames()
 LOSSY_SIDES = tuple(Contact(f"{side} {LOSSY}") for side in SIDES)
 ODD = (
     SingleBump(), LongRipple(), LongOffCentreRipple(), YieldingWire(), ActivatedCreep(),
@@ -272,7 +273,7 @@ def term(name: str, form: str = "", other_commands: Iterable[str] = ()) -> Term:
     """The term of a name (and form); TermError names those that exist."""
     found = with_richer((*terms(other_commands), *ODD, *force_terms(), *further_force_terms()))
     found += (*SHEATH_FORCES, *PRESSED, SPRUNG, *LATE, WORN, QUEUE, *UNEVEN, *RECURRING, *SKIPS)
-    found += (*RUBBING, CARRYING, LATE_DAMPER)
+    found += (*RUBBING, CARRYING, LATE_DAMPER, FLANKS)
     same = [t for t in found if t.name == name and form in ("", t.form)]
     if same:
         return next((t for t in same if t.form == form), same[0])

@@ -10,6 +10,7 @@ from pipeline.physics.term import Parameter, Surroundings
 
 SLOWEST, LONGEST = 0.5, 0.005  # of the time from sample to sample, and of a cycle
 SETTLE = (0.1, 0.25)
+FOLLOWING = "following"
 
 
 @njit(cache=True, error_model="numpy")
@@ -58,21 +59,25 @@ class YieldingPlay(DrivePlay):
 
     Play as `backlash.py` has it pushes with rigid flanks. Teeth, pins and wires give a little, and
     the load, held by friction of its own, comes after: within half of the time from sample to
-    sample, or half a per cent of a cycle, at most, else it is a lag of the joint. It starts in the
-    middle of its gap.
+    sample at most, else it is a lag of the joint; in form "following", that stands in the place of
+    a small lag, within half a per cent of a cycle. It starts in the middle of its gap.
     Source: Nordin and Gutman, Automatica 38 (2002) 1633 (a shaft that gives behind a dead zone,
     its load overdamped).
     """
 
     timed = True
-    form = "yielding"
     says = (
         "The drive turns through {width} of play after each reversal before its flanks push; these "
         "give, and the load follows within {settling}."
     )
 
+    def __init__(self, form: str = "yielding") -> None:
+        self.form = form
+
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
-        most = max(SLOWEST * max(around.dwell_s, 1e-9), LONGEST * around.period_s)
+        most = SLOWEST * max(around.dwell_s, 1e-9)
+        if self.form == FOLLOWING:
+            most = max(most, LONGEST * around.period_s)
         return (
             self.width(around),
             Parameter("settling", "s", 0.0, most, 0.5 * most, 0.0),

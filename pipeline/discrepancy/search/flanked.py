@@ -2,19 +2,17 @@
 
 import numpy as np
 
-from pipeline.discrepancy.fitting.fit import ITERATIONS, evaluate, improve
+from pipeline.discrepancy.fitting.fit import ITERATIONS, Fit, evaluate, improve
 from pipeline.discrepancy.search.weighing import Choice, Search
+from pipeline.physics.catalogue import FLANKS
 from pipeline.physics.mechanism import Piece
-from pipeline.physics.yielding_play import YieldingPlay
-
-FLANKS = YieldingPlay()
 
 
 def flanked(search: Search, choice: Choice) -> Choice:
-    """The choice with play whose flanks give in place of play and a lag, if that is better.
+    """The choice with play whose flanks give in place of play and a small lag, if that is better.
 
-    Sharp play and a lag of the whole come near it; neither gains anything beside it, and it gains
-    nothing beside the lag.
+    Sharp play and a lag of the whole come near it, and hardly any data tell which it is. A lag that
+    explains more than the noise (RMS) is told as one.
     """
     found, fit = choice, choice.fit
     problem = fit.ground.problem
@@ -25,7 +23,19 @@ def flanked(search: Search, choice: Choice) -> Choice:
     _, settling = FLANKS.parameters(problem.around)
     for play in plays:
         given = Piece(FLANKS, np.array([play.values[0], settling.start]))
-        for lag in late:
+        for lag in (p for p in late if small(fit, p)):
             trial = evaluate(fit.ground, [*fit.without(play, lag), given])
             found = search.better(found, improve(trial, 2 * ITERATIONS))
     return found
+
+
+def small(fit: Fit, piece: Piece) -> bool:
+    """Whether a piece of a fit explains less than the noise (RMS), the others refitted."""
+    without = improve(evaluate(fit.ground, fit.without(piece)))
+    return mean_square(without) - mean_square(fit) < fit.ground.noise.deviation**2
+
+
+def mean_square(fit: Fit) -> float:
+    """Of what a fit leaves of the rows used [measurement's unit, squared]."""
+    left = fit.ground.problem.measured - fit.predicted
+    return float(np.mean(left[fit.ground.used] ** 2))
