@@ -1,5 +1,7 @@
 """Lag of a simulated damper: it stands behind a spring, which the simulation takes for rigid."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from pipeline.physics.force_term import ForceTerm
@@ -27,7 +29,8 @@ class LateDamper(ForceTerm):
     )
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
-        return SPRUNG.parameters(around)
+        damping, *others = SPRUNG.parameters(around)
+        return replace(damping, low=0.0, start=max(damping.start, 0.0)), *others
 
     def force(
         self, motion: Motion, kinetics: Kinetics, values: np.ndarray, state: np.ndarray | None

@@ -12,14 +12,17 @@ from pipeline.physics.motion import Kinetics, Motion
 from pipeline.physics.pre_sliding import weighted
 from pipeline.physics.term import Parameter, Surroundings
 
-SHARES = (0.01, 0.03, 0.1, 0.3)
+SHARES, MOST_CYCLES = (0.01, 0.03, 0.1, 0.3), 2.0
 EXPONENTS, POWER = (0.4, 0.7, 1.5), (0.2, 2.0)
 
 
 def relaxation_of(around: Surroundings) -> Parameter:
-    """The time in which a damper lets go of the spring that it stands behind."""
+    """The time in which a damper lets go of the spring that it stands behind.
+
+    In a few cycles at most: else that is a spring, and what it still lets go of a drift.
+    """
     sample_s = max(around.dwell_s, 1e-9)
-    longest_s = max(around.end_s - around.start_s, sample_s)
+    longest_s = max(MOST_CYCLES * around.period_s, sample_s)
     return Parameter("relaxation", "s", 0.2 * sample_s, longest_s, 0.1 * around.period_s, 0.0,
                      relative=True)  # fmt: skip
 

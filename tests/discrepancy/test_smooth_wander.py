@@ -26,6 +26,7 @@ from tests.discrepancy.made import (
     changed,
     diagnosed,
     explained,
+    followed,
     recorded,
 )
 
@@ -75,6 +76,27 @@ def test_it_is_named_as_a_drift_with_its_size(hidden, seed):
 def test_what_wanders_with_the_commands_is_no_drift(carrier, size):
     (told,) = diagnosed(made({}, 9, size, carrier)).diagnoses
     assert told.verdict in ("unknown_physics", "partly_explained")
+
+
+def unrepeated(carrier: str) -> Recording:
+    """Steps of any size, no two of them alike, while a zero or gain wanders by 4 of the noise."""
+    rng, rows = np.random.default_rng(1), CYCLES * STEPS
+    drive = np.repeat(rng.uniform(-20.0, 20.0, rows // 20), 20)
+    carried = {"zero": 1.0, "gain": drive / 12.0}[carrier]
+    off = 4.0 * NOISE * wander(1) * carried + NOISE * rng.standard_normal(rows)
+    return followed(0.1 * np.arange(rows), drive, drive + off, 0.1)
+
+
+def test_it_is_a_drift_too_where_no_cycle_repeats_another():
+    (told,) = diagnosed(unrepeated("zero")).diagnoses
+    assert told.verdict == "explained"
+    assert [p.name for p in told.physics] == ["drift"]
+    assert told.noise == pytest.approx(NOISE, rel=0.1)
+
+
+def test_a_gain_that_wanders_is_none_there_either():
+    (told,) = diagnosed(unrepeated("gain")).diagnoses
+    assert "drift" not in {p.name for p in told.physics}
 
 
 @pytest.fixture(scope="module")

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from pipeline.discrepancy.fitting.ground import ground_of
+from pipeline.discrepancy.judgement.cycle_zero import leaves_less
 from pipeline.discrepancy.judgement.proof import counted_errors, strained
 from pipeline.discrepancy.judgement.walking_zero import (
     walk_in_a_cycle,
@@ -57,6 +58,15 @@ def test_it_does_not_hide_that_names_are_wrong():
     wrong = chosen(choice.fit.ground, 0.0, backlash=[70.0])
     assert witnessed(explanation, wrong)
     assert not walks_far(explanation, wrong)
+
+
+def test_calibration_alone_hides_no_names():
+    """A zero that wanders may lead it off, as it leads names off that are not there."""
+    (choice,) = walked(4.0).choices
+    off = np.array([1.6, 0.0])
+    wrong, alone = (replace(choice.fit, pieces=p, nuisance=off) for p in (choice.fit.pieces, ()))
+    assert leaves_less(replace(choice, fit=alone))
+    assert not leaves_less(replace(choice, fit=wrong))
 
 
 @pytest.mark.parametrize(
