@@ -19,12 +19,14 @@ TRIED, FEW, CLEARLY = 12, 2, 2.0
 def explained(problem: Problem) -> tuple[Problem, Explanation]:
     """The problem of an angle as it suits its explanation best, and that.
 
-    Where the simulation does a little beside its curve, its trace may drive as well: what explains
-    the rest better says it. What readings in levels are off on average is known once what they
-    should have read is; then it is taken off them.
+    Where the simulation does a little beside its curve, its trace may drive as well, and a lag of
+    its own may come before the joint or behind it: what explains the rest better says it. What
+    readings in levels are off on average is known once what they should have read is; then it is
+    taken off them.
     """
     explanation = explain(thinned(problem)[0])
-    for other in otherwise_simulated(problem, explanation):
+    other = otherwise_simulated(problem, explanation)
+    if other is not None:
         found = explain(thinned(other)[0])
         if better_by_row(found, explanation):
             problem, explanation = other, found
@@ -34,18 +36,18 @@ def explained(problem: Problem) -> tuple[Problem, Explanation]:
     return between, explain(thinned(between)[0])
 
 
-def otherwise_simulated(problem: Problem, explanation: Explanation) -> list[Problem]:
+def otherwise_simulated(problem: Problem, explanation: Explanation) -> Problem | None:
     """The problem with its simulation taken apart in another way, where that may explain more.
 
     Its trace may drive in place of a curve, or its own lag come last, behind the joint, if some
     choice is better so.
     """
     if not unclear(explanation):
-        return []
+        return None
     if problem.traced is not None:
-        return [problem.traced]
+        return problem.traced
     last = problem.late_last
-    return [] if last is None or not promising(last, explanation) else [last]
+    return last if last is not None and promising(last, explanation) else None
 
 
 def promising(other: Problem, explanation: Explanation) -> bool:
