@@ -4,7 +4,7 @@ import hashlib
 import json
 import re
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -24,6 +24,18 @@ NAME_UNITS = (
     "deg", "rad", "m", "mm", "um", "px", "n", "mn", "nm", "v", "a", "ma", "qc", "rpm",
     "deg_s", "rad_s", "m_s", "mm_s", "m_s2",
 )  # fmt: skip
+LETTERS: Mapping[str, tuple[frozenset[str], tuple[str, ...]]] = {
+    "m": (
+        frozenset({"mm", "um"}),
+        ("position", "displacement", "distance", "travel", "stroke", "length"),
+    ),
+    "n": (frozenset({"mn"}), ("force", "load", "tension", "pull")),
+    "v": (frozenset(), ("voltage",)),
+    "a": (frozenset({"ma"}), ("current",)),
+}
+"""Units of one letter, which as well end names (`theta_m`, of a motor): units of the same kind, and
+words before the letter that say that it is the unit."""
+
 REVERSAL_SHARE = 0.01
 MOST_CYCLES = 10**9
 LONGEST_STEM = 100
@@ -339,10 +351,13 @@ def check_channels(path: str, channels: Sequence[Channel]) -> None:
 
 def _check_unit(where: str, channel: Channel) -> None:
     said = channel.unit.lower().replace("/", "_").replace("²", "2").replace("^", "").strip()
-    ends = [u for u in NAME_UNITS if channel.name.lower().endswith("_" + u)]
-    if ends and said in NAME_UNITS and said != max(ends, key=len):
+    name = channel.name.lower()
+    end = max((u for u in NAME_UNITS if name.endswith("_" + u)), key=len, default="")
+    alike, words = LETTERS.get(end, (frozenset({said}), ()))
+    meant = said in alike or name.removesuffix("_" + end).endswith(words)
+    if end and meant and said in NAME_UNITS and said != end:
         raise RecordingError(
-            refusal(where, f"the unit of its name, {max(ends, key=len)!r}", repr(channel.unit),
+            refusal(where, f"the unit of its name, {end!r}", repr(channel.unit),
                     "Make the name's ending and the unit agree.")
         )  # fmt: skip
 

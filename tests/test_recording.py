@@ -12,6 +12,7 @@ from pipeline.recording import (
     Recording,
     RecordingError,
     branch_of,
+    check_channels,
     cycles_from_reversals,
     file_stem,
     load_recording,
@@ -204,6 +205,28 @@ def test_unit_that_does_not_fit_its_name(tmp_path):
     edit_head(folder, channels=[COMMAND.as_json() | {"unit": "rad"}])
     with pytest.raises(RecordingError, match="unit of its name, 'deg'; found 'rad'"):
         load_recording(folder)
+
+
+@pytest.mark.parametrize(
+    ("name", "unit", "fits"),
+    [
+        ("theta_m", "deg", True),
+        ("joint_a", "rad", True),
+        ("x_n", "mm", True),
+        ("position_m", "m", True),
+        ("x_m", "mm", False),
+        ("position_m", "deg", False),
+        ("force_n", "mm", False),
+        ("motor_current_a", "ma", False),
+    ],
+)
+def test_one_letter_that_ends_a_name_is_a_unit_where_it_may_be(name, unit, fits):
+    channels = [Channel(name, "command", unit)]
+    if fits:
+        check_channels("recording.json", channels)
+        return
+    with pytest.raises(RecordingError, match=f"unit of its name, '{name[-1]}'; found '{unit}'"):
+        check_channels("recording.json", channels)
 
 
 def test_simulation_in_another_unit(tmp_path):
