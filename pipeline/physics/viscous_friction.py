@@ -12,14 +12,14 @@ from pipeline.physics.motion import Kinetics, Motion
 from pipeline.physics.pre_sliding import weighted
 from pipeline.physics.term import Parameter, Surroundings
 
-SHARES, MOST_CYCLES = (0.01, 0.03, 0.1, 0.3), 2.0
+SHARES, MOST_CYCLES = (0.01, 0.03, 0.1, 0.3), 0.5
 EXPONENTS, POWER = (0.4, 0.7, 1.5), (0.2, 2.0)
 
 
 def relaxation_of(around: Surroundings) -> Parameter:
     """The time in which a damper lets go of the spring that it stands behind.
 
-    In a few cycles at most: else that is a spring, and what it still lets go of a drift.
+    In half a cycle at most: else that is a spring, and what it still lets go of a drift.
     """
     sample_s = max(around.dwell_s, 1e-9)
     longest_s = max(MOST_CYCLES * around.period_s, sample_s)
