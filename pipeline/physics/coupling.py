@@ -36,6 +36,7 @@ GROWN: Mapping[str, tuple[str, ...]] = {
 }
 OFFERED = ("", DIRECT, LEVER, RATE)
 SIZES = 2
+UNUSUAL = 6.0  # of twenty couplings one
 
 
 class Coupling(Term):
@@ -73,6 +74,7 @@ class Coupling(Term):
         self.channel = form.removesuffix(how)
         self.way = WAYS.get(how)
         self.pushes = how not in BESIDES
+        self.unlikely = UNUSUAL if how.startswith(CUBIC) else 0.0
         self.group = f"{self.name} {self.channel if self.pushes else form}"
         self.in_balance = not how.endswith(NO_LOAD)
         self.timed = self.way is not None and self.way.timed

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy.ndimage import gaussian_filter1d
 
+from pipeline.discrepancy.fitting.fit import evaluate
 from pipeline.discrepancy.judgement import decision, smooth_wander
 from pipeline.discrepancy.judgement.smooth_wander import (
     beside,
@@ -134,6 +135,20 @@ def test_nothing_left_beside_it_may_follow_the_commands(drifting, monkeypatch):
     assert follows_commands(few, beside(base.fit))
     monkeypatch.setattr(smooth_wander, "follows_commands", lambda *_: True)
     assert wandering(drifting, drifting.choices[0]) is None
+
+
+@pytest.mark.parametrize("carrier", ["zero", "gain"])
+def test_an_offset_that_is_off_leads_no_wander_astray(carrier):
+    """Noise that walks leaves any offset: what goes with the commands could not follow that."""
+    fit = explained(made({}, 9, 6.0, carrier)).choices[0].fit
+    base = evaluate(fit.ground, [])
+    off = replace(base, nuisance=base.nuisance + np.array([0.0, 5.0 * NOISE]))
+    place = fit.ground.problem.motion.drive / 110.0
+    carried = np.ones(len(place)) if carrier == "zero" else place
+    likelihood = beside(base, carried).log_likelihood
+    assert beside(off, carried).log_likelihood == pytest.approx(likelihood, abs=0.5)
+    other = place if carrier == "zero" else np.ones(len(place))
+    assert beside(off, other).log_likelihood < likelihood - 22.0
 
 
 def test_it_is_far_beyond_the_noise_and_slow(drifting):

@@ -52,6 +52,7 @@ def test_a_cubic_is_the_power_series_on_to_its_third_term(way):
     yaw = np.linspace(-30.0, 30.0, 61)
     found = answer(way, [0.1, 0.002, -3e-5], moved(yaw))
     np.testing.assert_allclose(found, 0.1 * yaw + 0.002 * yaw**2 - 3e-5 * yaw**3, atol=1e-9)
+    assert Coupling(f"{YAW}/{way}").unlikely > Coupling(YAW).unlikely
 
 
 def test_a_lever_that_the_other_axis_turns_away_is_about_its_cosine():

@@ -119,6 +119,7 @@ def beside(fit: Fit, carrier: np.ndarray | None = None) -> Beside:
     used, taken = ground.used, followed(fit)
     carrier = np.ones(len(used)) if carrier is None else carrier
     left = np.where(used, ground.problem.measured - fit.predicted, 0.0)
+    left = left - taken @ np.linalg.lstsq(taken[used], left[used], rcond=None)[0]
     _, zero = likeliest_zero(left, carrier, used)
     white, _ = zero.innovations(np.column_stack([left, taken]), carrier, used)
     left = left - taken @ np.linalg.lstsq(white[:, 1:], white[:, 0], rcond=None)[0]
