@@ -12,7 +12,7 @@ from pipeline.physics.capstan_friction import CapstanFriction
 from pipeline.physics.coasting_play import CoastingPlay
 from pipeline.physics.contact import LOSSY, SIDES, Contact
 from pipeline.physics.coulomb_friction import CoulombFriction
-from pipeline.physics.coupling import OFFERED, Coupling
+from pipeline.physics.coupling import CUBIC, CURVED, OFFERED, Coupling
 from pipeline.physics.creep import Creep
 from pipeline.physics.driven_bank import DrivenBank
 from pipeline.physics.driven_stretch import DrivenStretch
@@ -271,9 +271,11 @@ def instead(term: Term, values: np.ndarray, motion: Motion, around: Surroundings
 
 def term(name: str, form: str = "", other_commands: Iterable[str] = ()) -> Term:
     """The term of a name (and form); TermError names those that exist."""
-    found = with_richer((*terms(other_commands), *ODD, *force_terms(), *further_force_terms()))
+    others = tuple(other_commands)
+    found = with_richer((*terms(others), *ODD, *force_terms(), *further_force_terms()))
     found += (*SHEATH_FORCES, *PRESSED, SPRUNG, *LATE, WORN, QUEUE, *UNEVEN, *RECURRING, *SKIPS)
     found += (*RUBBING, CARRYING, LATE_DAMPER, FLANKS)
+    found += [Coupling(f"{channel}{how}") for channel in others for how in (CUBIC, CURVED)]
     same = [t for t in found if t.name == name and form in ("", t.form)]
     if same:
         return next((t for t in same if t.form == form), same[0])

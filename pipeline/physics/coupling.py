@@ -27,10 +27,10 @@ WAYS: Mapping[str, Way] = {
 }
 NO_LOAD, BESIDES = (DIRECT, LEVER), (LEVER, RATE)
 GROWN: Mapping[str, tuple[str, ...]] = {
-    "": (PLAY, LATE, CUBIC, DIRECT, TORQUE),
+    "": (PLAY, LATE, DIRECT, TORQUE),
     PLAY: (LATE, PLAYING),
     LATE: (PLAY, LAGGING),
-    DIRECT: (PLAYING, LAGGING, CURVED),
+    DIRECT: (PLAYING, LAGGING),
     PLAYING: (LAGGING,),
     LAGGING: (PLAYING,),
 }
@@ -96,6 +96,12 @@ class Coupling(Term):
     def richer(self) -> tuple[Term, ...]:
         how = self.form.removeprefix(self.channel)
         return tuple(Coupling(f"{self.channel}{other}") for other in GROWN.get(how, ()))
+
+    @property
+    def with_cube(self) -> "Coupling | None":
+        """The same with the cube of the other command; None of a form that has none."""
+        how = {"": CUBIC, DIRECT: CURVED}.get(self.form.removeprefix(self.channel))
+        return None if how is None else Coupling(f"{self.channel}{how}")
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
         scale = scale_of(self.channel, around)

@@ -24,6 +24,7 @@ from pipeline.discrepancy.search.counted import (
     settled_rows,
     usual,
 )
+from pipeline.discrepancy.search.cubed import cubed
 from pipeline.discrepancy.search.disguise import with_plain
 from pipeline.discrepancy.search.excited import excited_terms
 from pipeline.discrepancy.search.foretold import foretelling
@@ -182,7 +183,7 @@ def chosen_anew(
 
 def grown_last(search: Search, choices: list[Choice]) -> list[Choice]:
     """The choices; where the best of all can still grow, with what a polish of that comes to."""
-    richer = grown(search, choices[0])
+    richer = cubed(search, grown(search, choices[0]))
     if richer.score > choices[0].score - LEAST_GAIN:
         return choices
     more = best_of_each([richer, *choices])
