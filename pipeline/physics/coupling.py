@@ -99,9 +99,11 @@ class Coupling(Term):
 
     @property
     def with_cube(self) -> "Coupling | None":
-        """The same with the cube of the other command; None of a form that has none."""
-        how = {"": CUBIC, DIRECT: CURVED}.get(self.form.removeprefix(self.channel))
-        return None if how is None else Coupling(f"{self.channel}{how}")
+        """With the cube of the other command in place of what it drags; None of what has none."""
+        how = self.form.removeprefix(self.channel)
+        if how in ("", PLAY, LATE):
+            return Coupling(f"{self.channel}{CUBIC}")
+        return Coupling(f"{self.channel}{CURVED}") if how in (DIRECT, PLAYING, LAGGING) else None
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
         scale = scale_of(self.channel, around)

@@ -5,10 +5,11 @@ from pipeline.discrepancy.search.weighing import Choice, Search
 from pipeline.physics.coupling import Coupling
 
 
-def cubed(search: Search, choice: Choice) -> Choice:
-    """The choice with the cube of another axis's command in its couplings, if that is better."""
-    for place, piece in enumerate(choice.fit.pieces):
+def cubed(search: Search, choices: list[Choice]) -> list[Choice]:
+    """The choices (best first), the best with the cube of another axis's command, if better."""
+    best = choices[0]
+    for place, piece in enumerate(best.fit.pieces):
         term = piece.term.with_cube if isinstance(piece.term, Coupling) else None
         if term is not None:
-            choice = search.better(choice, reformed(choice.fit, place, term))
-    return choice
+            best = search.better(best, reformed(best.fit, place, term))
+    return choices if best is choices[0] else [best, *choices]

@@ -147,7 +147,7 @@ def searched(problem: Problem) -> Explanation:
         near = [c for c in by_names(choices) if c.score < choices[0].score + RIVAL_GAP][:SETTLED]
         still = [resettled(search, c) if any(c is n for n in near) else c for c in choices]
         choices = foretelling(with_slow_terms(search, still))
-    choices = with_plain(search, choices)
+    choices = with_plain(search, cubed(search, choices))
     outliers = mistaken_rows(problem, choices[0], prior)
     return Explanation(problem, prior, search, choices, outliers, used)
 
@@ -183,7 +183,7 @@ def chosen_anew(
 
 def grown_last(search: Search, choices: list[Choice]) -> list[Choice]:
     """The choices; where the best of all can still grow, with what a polish of that comes to."""
-    richer = cubed(search, grown(search, choices[0]))
+    richer = grown(search, choices[0])
     if richer.score > choices[0].score - LEAST_GAIN:
         return choices
     more = best_of_each([richer, *choices])
