@@ -49,9 +49,7 @@ def test_a_wheel_off_its_centre_is_begun_again_as_teeth_with_its_harmonics():
 
 
 def test_a_ripple_of_hardly_more_than_a_wave_may_be_a_bend_instead():
-    around = Surroundings(
-        100.0, -50.0, 50.0, -25.0, 1.0, 1.0, 3.0, 0.0, 300.0, 3, 300.0, "deg", "deg", {}, {}
-    )
+    around = Surroundings(drive_span=100.0, drive_low=-50.0)
     ripple, size = TransmissionRipple(), np.array([0.5, 70.0, 0.1])
     told = instead(ripple, size, MOTION, around)
     assert {(t.name, t.form) for ((t, _),) in told} == {

@@ -55,6 +55,12 @@ class Fit:
         return self.ground.answer(self.trace, self.nuisance)
 
     @property
+    def mean_square(self) -> float:
+        """Of what it leaves of the rows used [measurement's unit, squared]."""
+        left = self.ground.problem.measured - self.predicted
+        return float(np.mean(left[self.ground.used] ** 2))
+
+    @property
     def free(self) -> int:
         """How many parameters its terms have."""
         return len(self.values)

@@ -32,10 +32,4 @@ def flanked(search: Search, choice: Choice) -> Choice:
 def small(fit: Fit, piece: Piece) -> bool:
     """Whether a piece of a fit explains less than the noise (RMS), the others refitted."""
     without = improve(evaluate(fit.ground, fit.without(piece)))
-    return mean_square(without) - mean_square(fit) < fit.ground.noise.deviation**2
-
-
-def mean_square(fit: Fit) -> float:
-    """Of what a fit leaves of the rows used [measurement's unit, squared]."""
-    left = fit.ground.problem.measured - fit.predicted
-    return float(np.mean(left[fit.ground.used] ** 2))
+    return without.mean_square - fit.mean_square < fit.ground.noise.deviation**2

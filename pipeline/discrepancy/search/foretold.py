@@ -111,12 +111,8 @@ def sure_slips(choice: Choice, rest: float) -> list[Piece]:
     slips = [p for p in choice.fit.pieces if isinstance(p.term, LostSteps)]
     if sum(len(p.values) for p in slips) != ONE_SLIP:
         return []
-    fits = choice.fit, improve(evaluate(choice.fit.ground, choice.fit.without(*slips)))
-    ground = choice.fit.ground
-    left, without = (
-        float(np.mean((ground.problem.measured - f.predicted)[ground.used] ** 2)) for f in fits
-    )
-    return slips if without - left > FAR_MORE * rest else []
+    without = improve(evaluate(choice.fit.ground, choice.fit.without(*slips)))
+    return slips if without.mean_square - choice.fit.mean_square > FAR_MORE * rest else []
 
 
 def _without(choice: Choice, name: str) -> Choice:
