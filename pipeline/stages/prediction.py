@@ -50,9 +50,10 @@ def motion_for(
         motion = force_motion(recording, model.drive, simulated, cutoff_hz)[0]
         return motion.delayed(model.delay_s)
     drive = between_known_counts(np.ascontiguousarray(own, dtype=float), model.counted)
+    time_s = recording.values("time_s")
     return Motion(
-        drive=behind_known_noise(drive, model.rough),
-        time_s=recording.values("time_s"),
+        drive=behind_known_noise(drive, time_s, model.rough),
+        time_s=time_s,
         cycle=recording.values("cycle").astype(np.int64),
         others=commands,
         radian=model.radian,

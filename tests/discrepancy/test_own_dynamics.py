@@ -10,6 +10,7 @@ from pipeline.discrepancy.fitting.ground import ground_of
 from pipeline.discrepancy.noise.noise import NoiseModel
 from pipeline.discrepancy.problem.own_dynamics import beside_curve
 from pipeline.physics.kinematics import IdentityCurve
+from pipeline.physics.motion import Motion
 from pipeline.physics.play_operator import play
 from tests.discrepancy.made import (
     SIMULATED,
@@ -29,7 +30,8 @@ SEEN = NOISE * np.random.default_rng(4).standard_normal(1500)
 
 
 def own(simulated: np.ndarray, measured: np.ndarray, drive: np.ndarray = DRIVE) -> np.ndarray:
-    found, stays = beside_curve(drive, IdentityCurve(), simulated, measured)
+    motion = Motion(drive, TIME_S, np.zeros(len(drive), dtype=np.int64))
+    found, stays = beside_curve(motion, IdentityCurve(), simulated, measured)
     return found if stays else np.zeros(len(drive))
 
 
@@ -109,3 +111,12 @@ def test_a_trace_drives_only_where_it_clearly_explains_more(
     fewer = explanation_of([chosen(ground, score)])
     fewer = replace(fewer, used=used & (np.cumsum(used) > rows))
     assert better_by_row(fewer, plain) == better
+
+
+def test_it_is_its_own_where_samples_are_uneven_too() -> None:
+    rng = np.random.default_rng(8)
+    time_s = TIME_S + 0.003 * rng.uniform(-1.0, 1.0, len(TIME_S))
+    drive, late = (np.interp(time_s - late_s, TIME_S, DRIVE) for late_s in (0.0, 2.0 * LATE_S))
+    recording = followed(time_s, drive, 1.02 * late + 0.3 + SEEN, PACE_HZ)
+    (found,) = diagnosed(changed(recording, **{SIMULATED: late})).diagnoses
+    assert found.verdict == "no_mismatch"

@@ -77,16 +77,25 @@ def test_the_noise_of_a_measured_command_is_no_lag_behind_it() -> None:
     motion = Motion(MOVED, TIME_S, np.zeros(3000, dtype=np.int64))
     play = Backlash().respond(MOVED, motion, np.array([3.0]), None)[0]
     measured = play + np.random.default_rng(8).normal(0.0, 0.1, 3000)
-    smooth, found = unroughened(rough, measured)
+    smooth, found = unroughened(rough, TIME_S, measured)
     assert found == pytest.approx(0.3, rel=0.1)
     assert np.std(smooth - MOVED) < 0.1
-    assert unroughened(rough, rough + noise(0.02))[0] is rough
-    assert np.array_equal(behind_known_noise(rough, found), smooth)
-    assert behind_known_noise(MOVED, found) is MOVED
+    assert unroughened(rough, TIME_S, rough + noise(0.02))[0] is rough
+    assert np.array_equal(behind_known_noise(rough, TIME_S, found), smooth)
+    assert behind_known_noise(MOVED, TIME_S, found) is MOVED
     given = recorded(rough, measured)
     problem = posed(DiagnosisConfig(), given, "horn_deg")
     assert problem.rough == pytest.approx(0.3, rel=0.1)
     assert np.std(problem.motion.drive - MOVED) < 0.1
+
+
+def test_an_uneven_clock_is_no_noise_of_a_motion_and_hides_none() -> None:
+    uneven_s = TIME_S + 0.4 * (TIME_S[1] - TIME_S[0]) * np.random.default_rng(7).uniform(-1.0, 1.0, 3000)
+    moved = np.interp(uneven_s, TIME_S, MOVED)
+    assert noise_of_motion(moved) > 0.0
+    assert noise_of_motion(moved, uneven_s) == 0.0
+    assert noise_of_motion(MOVED, uneven_s) == 0.0
+    assert noise_of_motion(moved + noise(0.3), uneven_s) == pytest.approx(0.3, rel=0.1)
 
 
 def test_samples_that_are_said_again_are_told_from_levels_and_from_play() -> None:
@@ -155,7 +164,7 @@ def test_motion_at_random_that_a_play_takes_out_is_no_noise():
     drive = np.cumsum(2.0 * rng.standard_normal(1500))
     assert noise_of_motion(drive) > 0.0
     measured = play(drive, 2.0, 0.0) + 0.2 * rng.standard_normal(len(drive))
-    assert unroughened(drive, measured) == (pytest.approx(drive), 0.0)
+    assert unroughened(drive, TIME_S[:1500], measured) == (pytest.approx(drive), 0.0)
 
 
 def test_equal_counts_of_noise_that_forgets_slowly_are_no_samples_said_again() -> None:

@@ -4,9 +4,9 @@ import numpy as np
 from numpy.polynomial import Legendre
 
 from pipeline.discrepancy.problem.counts import quantum_of
-from pipeline.discrepancy.problem.outliers import robust_deviation
-from pipeline.discrepancy.problem.rough import THIRD, noise_of_motion
+from pipeline.discrepancy.problem.rough import noise_of_motion, noise_of_readings
 from pipeline.physics.kinematics import Curve
+from pipeline.physics.motion import Motion
 
 FEWEST, SEEN, OWN = 30, 0.05, 0.3
 SMOOTH = 9
@@ -14,7 +14,7 @@ FOLLOWS, SURELY, NEARLY, SURE = 0.5, 2.0, 0.2, 0.07
 
 
 def beside_curve(
-    drive: np.ndarray, curve: Curve, simulated: np.ndarray, measured: np.ndarray
+    motion: Motion, curve: Curve, simulated: np.ndarray, measured: np.ndarray
 ) -> tuple[np.ndarray, bool]:
     """What a simulation has beside a static curve of its drive, (n,) each, and whether it stays.
 
@@ -23,14 +23,14 @@ def beside_curve(
     drive's own counts or noise. It stays where the measurement surely goes along with it; elsewhere
     what explains the rest has to say.
     """
-    nothing = np.zeros(len(drive))
+    drive, nothing = motion.drive, np.zeros(len(motion))
     known = np.isfinite(simulated) & np.isfinite(measured)
     if known.sum() < FEWEST:
         return nothing, False
     found = np.where(np.isfinite(simulated), simulated - curve(drive), 0.0)
     size = float(np.std(found[known]))
-    noise = robust_deviation(np.diff(measured[known], 3)) / THIRD
-    rough = abs(curve.slope) * max(quantum_of(drive), noise_of_motion(drive))
+    noise = noise_of_readings(measured[known], motion.time_s[known])
+    rough = abs(curve.slope) * max(quantum_of(drive), noise_of_motion(drive, motion.time_s))
     if size <= SEEN * noise or rough >= OWN * size:
         return nothing, False
     return found, goes_along(drive[known], simulated[known], measured[known])

@@ -195,9 +195,7 @@ def pose_problem(
         measured = measured - (simulated - course.reproduced)
         simulated = np.where(np.isfinite(simulated), course.reproduced, np.nan)
     elif static:
-        found, stays = beside_curve(
-            motion.drive, curve, simulated, np.where(train, measured, np.nan)
-        )
+        found, stays = beside_curve(motion, curve, simulated, np.where(train, measured, np.nan))
         if found.any() and replaced is None:
             trace = pose_problem(config, recording, measurement, simulated, traced=True)
         if stays:
@@ -233,7 +231,7 @@ def smoothed(
     motion, curve, counted = uncounted(motion, curve, seen, simulated)
     if counted > 0.0:
         return motion, curve, counted, 0.0
-    smooth, rough = unroughened(motion.drive, seen)
+    smooth, rough = unroughened(motion.drive, motion.time_s, seen)
     return replace(motion, drive=smooth), curve, 0.0, rough
 
 
