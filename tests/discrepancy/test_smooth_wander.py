@@ -7,6 +7,7 @@ import pytest
 from scipy.ndimage import gaussian_filter1d
 
 from pipeline.discrepancy.fitting.fit import evaluate
+from pipeline.discrepancy.fitting.ground import ground_of
 from pipeline.discrepancy.judgement import decision, smooth_wander
 from pipeline.discrepancy.judgement.smooth_wander import (
     beside,
@@ -14,9 +15,11 @@ from pipeline.discrepancy.judgement.smooth_wander import (
     direction,
     follows_commands,
     may_wander,
+    smoother_than_a_walk,
     wandering,
     zero_that_wanders,
 )
+from pipeline.discrepancy.noise.noise import NoiseModel
 from pipeline.discrepancy.search.explain import Explanation
 from pipeline.recording import Recording
 from tests.discrepancy.made import (
@@ -25,9 +28,11 @@ from tests.discrepancy.made import (
     SIMULATED,
     STEPS,
     changed,
+    chosen,
     diagnosed,
     explained,
     followed,
+    posed,
     recorded,
 )
 
@@ -135,6 +140,28 @@ def test_nothing_left_beside_it_may_follow_the_commands(drifting, monkeypatch):
     assert follows_commands(few, beside(base.fit))
     monkeypatch.setattr(smooth_wander, "follows_commands", lambda *_: True)
     assert wandering(drifting, drifting.choices[0]) is None
+
+
+def test_noise_that_walks_hides_no_smooth_drift_where_cycles_repeat():
+    """By less than three times the noise: a walk would explain it, and nothing be told."""
+    (told,) = diagnosed(made(PLAY, 6, 2.5)).diagnoses
+    assert {p.name for p in told.physics} == {"backlash", "drift"}
+
+
+@pytest.mark.parametrize(
+    ("course", "size", "smooth"),
+    [("smooth", 2.5, True), ("smooth", 1.2, False), ("at random", 2.5, False)],
+)
+def test_a_walk_at_random_is_none_nor_what_is_near_the_noise(course, size, smooth):
+    steps = np.random.default_rng(4).standard_normal(CYCLES * STEPS)
+    walk = np.cumsum(steps) - np.mean(np.cumsum(steps))
+    zero = wander(6) if course == "smooth" else walk / np.std(walk)
+    recording = recorded(PLAY, cycles=CYCLES)
+    moved = recording.values(ANGLE) + size * NOISE * zero
+    problem = posed(changed(recording, **{ANGLE: moved}))
+    noise = NoiseModel(white=NOISE, walk=size * NOISE / np.std(walk))
+    choice = chosen(ground_of(problem, noise, problem.train), 0.0, backlash=[4.0])
+    assert smoother_than_a_walk(choice) == smooth
 
 
 @pytest.mark.parametrize("carrier", ["zero", "gain"])

@@ -10,7 +10,11 @@ from pipeline.discrepancy.judgement.cycle_zero import about_each_zero
 from pipeline.discrepancy.judgement.form import one_for_many
 from pipeline.discrepancy.judgement.proof import counted_errors, disproved, refuted, strained
 from pipeline.discrepancy.judgement.rivals import mechanism_of
-from pipeline.discrepancy.judgement.smooth_wander import Beside, wandering
+from pipeline.discrepancy.judgement.smooth_wander import (
+    Beside,
+    smoother_than_a_walk,
+    wandering,
+)
 from pipeline.discrepancy.judgement.structure import (
     Structure,
     mismatch_variance,
@@ -84,6 +88,8 @@ def decided(problem: Problem, explanation: Explanation) -> Decision:
         where = strained(problem, off, counted, best.fit.ground.noise, drifts)
         structure = replace(structure, found=where is not None, where=where or structure.where)
     walked = unrepeated and best.fit.ground.noise.walk > 0.0
+    if explanation.prior.repeats > 0 and problem.derivatives is None:
+        walked = smoother_than_a_walk(best)
     if not (structure.found or walked):
         return Decision(explanation, best, structure)
     sound = absurd is None and not (lost or undone or ringing(explanation, told))

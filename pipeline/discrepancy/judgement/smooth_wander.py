@@ -26,6 +26,7 @@ from pipeline.physics.play_operator import play
 
 SAYS = "The zero wanders smoothly, by about {size} {unit}: no command foretells it."
 FAR = 4.0  # variance of what is left, over that of the noise beside the wander
+SMOOTHER = 3.0  # log likelihood of a smooth zero over one that walks
 LEAD = 22.0  # log likelihood of a zero over all else that may wander
 FASTEST_PACE, MOST_SETS = 12.0, 10  # per cycle
 PLAYS, PIVOTS = (0.02, 0.05, 0.1, 0.25), (-0.25, 1.25, 0.0, 0.25, 0.5, 0.75, 1.0)  # of the range
@@ -83,6 +84,19 @@ def wandering(explanation: Explanation, best: Choice) -> tuple[Explanation, Besi
     if follows_commands(explanation, told) or not is_zero(told):
         return None
     return replace(explanation, choices=choices), told
+
+
+def smoother_than_a_walk(choice: Choice) -> bool:
+    """Whether what a choice takes for a zero that walks is far, and surely likelier a smooth one.
+
+    A walk at random is as rough as it is far.
+    """
+    ground, fit = choice.fit.ground, choice.fit
+    left = (ground.problem.measured - fit.predicted)[ground.used]
+    if not (ground.noise.walk > 0.0 and np.var(left) > FAR * ground.noise.deviation**2):
+        return False
+    walk = -0.5 * float(fit.innovations @ fit.innovations) - ground.log_scale
+    return beside(fit).log_likelihood > walk + SMOOTHER
 
 
 def may_wander(found: Beside, prior: NoisePrior) -> bool:
