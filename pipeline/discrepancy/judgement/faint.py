@@ -27,10 +27,9 @@ def without_faint(explanation: Explanation) -> Explanation:
     pose. So does a name beside others that earns nothing once these are fitted anew without it, or
     less than a search asks of a further one and explains less than half of the noise: what is as
     large as that and stands apart from the others earns far more. Nor may other names take the lead
-    for less, of which there are more than of those that stay.
+    for less, of which there are more than of those that stay. Of a force, small parts are physics,
+    too: there a name goes that earns less than a search asks of a further one, however large.
     """
-    if explanation.problem.motion.kinetics is not None:
-        return explanation
     choices = explanation.choices
     firms: list[Choice] = []
     for _ in range(ROUNDS):
@@ -56,7 +55,7 @@ def charged(choice: Choice, firmer: Choice) -> Choice:
 def firm(explanation: Explanation, choice: Choice) -> Choice:
     """The choice without its faintest name, if that is too faint, refitted and weighed."""
     search, ground = explanation.search, choice.fit.ground
-    told = names(choice)
+    told, force = names(choice), explanation.problem.motion.kinetics is not None
     own = search.weighed(choice.fit, choice.place).score
     found: list[tuple[float, Choice]] = []
     for name in told if len(told) > 1 else ():
@@ -65,8 +64,8 @@ def firm(explanation: Explanation, choice: Choice) -> Choice:
         grew = mean_square(explanation, trial) - mean_square(explanation, choice)
         size = float(np.sqrt(max(grew, 0.0))) / ground.noise.deviation
         fewer = search.weighed(trial.fit, choice.place)
-        asked = LEAST_GAIN if size < SMALL else 0.0
-        faint = size < FAINTEST and (len(told) > BESIDE or name not in choice.fit.slow)
+        asked = LEAST_GAIN if size < SMALL or force else 0.0
+        faint = not force and size < FAINTEST and (len(told) > BESIDE or name not in choice.fit.slow)
         if faint or fewer.score - own < asked:
             found.append((size, fewer))
     return min(found, key=lambda f: f[0], default=(0.0, choice))[1]
