@@ -90,7 +90,8 @@ def test_the_noise_of_a_measured_command_is_no_lag_behind_it() -> None:
 
 
 def test_an_uneven_clock_is_no_noise_of_a_motion_and_hides_none() -> None:
-    uneven_s = TIME_S + 0.4 * (TIME_S[1] - TIME_S[0]) * np.random.default_rng(7).uniform(-1.0, 1.0, 3000)
+    off = np.random.default_rng(7).uniform(-0.4, 0.4, len(TIME_S))
+    uneven_s = TIME_S + off * (TIME_S[1] - TIME_S[0])
     moved = np.interp(uneven_s, TIME_S, MOVED)
     assert noise_of_motion(moved) > 0.0
     assert noise_of_motion(moved, uneven_s) == 0.0

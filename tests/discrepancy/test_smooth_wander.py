@@ -150,7 +150,7 @@ def test_noise_that_walks_hides_no_smooth_drift_where_cycles_repeat():
 
 @pytest.mark.parametrize(
     ("course", "size", "smooth"),
-    [("smooth", 2.5, True), ("smooth", 1.2, False), ("at random", 2.5, False)],
+    [("smooth", 2.5, True), ("smooth", 0.8, False), ("at random", 2.5, False)],
 )
 def test_a_walk_at_random_is_none_nor_what_is_near_the_noise(course, size, smooth):
     steps = np.random.default_rng(4).standard_normal(CYCLES * STEPS)
@@ -162,6 +162,15 @@ def test_a_walk_at_random_is_none_nor_what_is_near_the_noise(course, size, smoot
     noise = NoiseModel(white=NOISE, walk=size * NOISE / np.std(walk))
     choice = chosen(ground_of(problem, noise, problem.train), 0.0, backlash=[4.0])
     assert smoother_than_a_walk(choice) == smooth
+
+
+def test_a_smooth_change_that_is_no_zero_is_structure_where_a_walk_would_take_it(monkeypatch):
+    explanation = explained(made(PLAY, 6, 2.5))
+    assert decision.decided(explanation.problem, explanation).wander is not None
+    monkeypatch.setattr(decision, "beside_a_wander", lambda *_: None)
+    told = decision.decided(explanation.problem, explanation)
+    assert told.structure.found
+    assert told.structure.where == decision.SMOOTHLY
 
 
 @pytest.mark.parametrize("carrier", ["zero", "gain"])
@@ -184,7 +193,9 @@ def test_it_is_far_beyond_the_noise_and_slow(drifting):
     quick = replace(found, zero=replace(found.zero, pace=14.0 / STEPS))
     near = replace(found, left=found.left * 1.5 * NOISE / np.std(found.left))
     assert not may_wander(quick, drifting.prior)
-    assert not may_wander(near, drifting.prior)
+    assert may_wander(near, drifting.prior)
+    assert not may_wander(near, replace(drifting.prior, repeats=0))
+    assert not may_wander(replace(near, left=0.6 * near.left), drifting.prior)
 
 
 def test_held_out_cycles_and_an_absurd_calibration_speak_against_it(drifting, monkeypatch):

@@ -42,6 +42,8 @@ from pipeline.discrepancy.search.foretold import foretold_part, testable
 from pipeline.discrepancy.search.weighing import Choice, names
 from pipeline.physics.drift import Drift
 
+SMOOTHLY = "slow changes, smoother than noise, which are no wander of the zero"
+
 
 @dataclass(frozen=True)
 class Decision:
@@ -78,29 +80,56 @@ def decided(problem: Problem, explanation: Explanation) -> Decision:
         structure, best = replace(structure, found=True, where=CANCELLED), base
     elif absurd is not None:
         structure = replace(structure, found=True, where=absurd)
-    unrepeated = explanation.prior.repeats == 0 and problem.derivatives is None and testable(best)
-    judge = without_repeats if unrepeated else by_repeats
-    told = best
-    best, structure = judge(problem, explanation, best, structure, absurd is None)
-    if not structure.found:
-        off, counted = counted_errors(problem, explanation, best, predicted_by(problem, best))
-        drifts = walks_far(explanation, best)
-        where = strained(problem, off, counted, best.fit.ground.noise, drifts)
-        structure = replace(structure, found=where is not None, where=where or structure.where)
-    walked = unrepeated and best.fit.ground.noise.walk > 0.0
-    if explanation.prior.repeats > 0 and problem.derivatives is None:
-        walked = smoother_than_a_walk(best)
-    if not (structure.found or walked):
+    told, known = best, absurd is None
+    best, structure = proved(problem, explanation, best, structure, known)
+    smooth = moves_smoothly(explanation, best)
+    if not (structure.found or smooth or unsure_walk(explanation, told, best)):
         return Decision(explanation, best, structure)
-    sound = absurd is None and not (lost or undone or ringing(explanation, told))
+    sound = known and not (lost or undone or ringing(explanation, told))
     wandered = beside_a_wander(problem, explanation, told) if sound else None
     if wandered is not None:
         return wandered
+    if smooth and not structure.found:
+        structure = replace(structure, found=True, where=SMOOTHLY)
     if not structure.found:
         return Decision(explanation, best, structure)
     share = max(structure.share, share_left(explanation, best))
     best = best if best.fit.pieces else evenly_calibrated(best, explanation.used)
     return Decision(explanation, best, replace(structure, share=share))
+
+
+def proved(
+    problem: Problem, explanation: Explanation, best: Choice, structure: Structure, sound: bool
+) -> tuple[Choice, Structure]:
+    """What stays of the best choice, and what rest held-out rows leave to it.
+
+    sound: whether the calibration is one.
+    """
+    judge = without_repeats if unrepeated(explanation, best) else by_repeats
+    best, structure = judge(problem, explanation, best, structure, sound)
+    if structure.found:
+        return best, structure
+    off, counted = counted_errors(problem, explanation, best, predicted_by(problem, best))
+    drifts = walks_far(explanation, best)
+    where = strained(problem, off, counted, best.fit.ground.noise, drifts)
+    return best, replace(structure, found=where is not None, where=where or structure.where)
+
+
+def unrepeated(explanation: Explanation, choice: Choice) -> bool:
+    """Whether no cycle repeats another, and a choice can be tested without that."""
+    angle = explanation.problem.derivatives is None
+    return explanation.prior.repeats == 0 and angle and testable(choice)
+
+
+def unsure_walk(explanation: Explanation, told: Choice, best: Choice) -> bool:
+    """Whether the zero of what stays walks, of one that was told where no cycle repeats another."""
+    return unrepeated(explanation, told) and best.fit.ground.noise.walk > 0.0
+
+
+def moves_smoothly(explanation: Explanation, choice: Choice) -> bool:
+    """Whether what a choice leaves moves smoothly, as cycles that repeat make sure."""
+    angle = explanation.problem.derivatives is None
+    return explanation.prior.repeats > 0 and angle and smoother_than_a_walk(choice)
 
 
 def beside_a_wander(problem: Problem, explanation: Explanation, best: Choice) -> Decision | None:

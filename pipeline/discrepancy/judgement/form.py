@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -12,26 +13,40 @@ from pipeline.discrepancy.problem.problem import Problem
 from pipeline.discrepancy.search.explain import Explanation
 from pipeline.discrepancy.search.weighing import Choice, names
 
-LEAST_SHARE, MOST_TOGETHER, MANY = 0.01, 0.02, 3
+MANY = 3
 FAINT_ZERO = 0.5
 LATE = frozenset({"creep", "frame_lag", "response_lag"})
-LATE_SHARE, LATE_SIZE = 0.25, 0.75
+
+
+class Limit(NamedTuple):
+    """Up to what a name is form: its share of the mismatch, that of all, and its size.
+
+    Shares [1] and the size, over the noise, are RMS.
+    """
+
+    share: float
+    together: float
+    size: float = np.inf
+
+
+LEAST, FAINT = Limit(0.01, 0.02), Limit(0.025, 0.025, 0.35)
+LATE_INSIDE, INSIDE = Limit(0.25, 0.25, 0.75), Limit(0.06, 0.06, 0.6)
+LEAST_SHARE = LEAST.share
 
 
 def names_of_form(explanation: Explanation, best: Choice) -> dict[str, float]:
     """Names of the best choice that are the form of its others, and their shares of the mismatch.
 
     A real wire is never quite the term: of what that leaves, many samples make names sure that are
-    not there. They stay in the corrected simulation, and are not told as physics. Such a name
-    explains less than LEAST_SHARE of the mismatch (RMS), calibration apart, and all of them
-    together less than MOST_TOGETHER. The one that explains least is taken out first. Of a force
-    against motion only a drift is one (`faint_zero`): beside a weight or a spring, friction is
-    small.
+    not there. They stay in the corrected simulation, and are not told as physics. What such a name
+    explains of the mismatch, calibration apart, is within the limit LEAST, or FAINT, which is too
+    little to be told from form. The one that explains least is taken out first. Of a force against
+    motion only a drift is one (`faint_zero`): beside a weight or a spring, friction is small.
 
     Where the simulation is a trace with a course in time of its own, terms act on what comes out of
-    that, and what they stand for acts inside of it: they come a little early or late. So there a
-    lag is one, too, that explains less than LATE_SHARE and less than LATE_SIZE of the noise. A zero
-    that walks far is most of any mean square: beside it no share says anything.
+    that, and what they stand for acts inside of it: they have another form there (INSIDE), and come
+    a little early or late (LATE_INSIDE). A zero that walks far is most of any mean square: beside
+    it no share says anything.
     """
     if explanation.problem.derivatives is not None:
         return faint_zero(explanation, best)
@@ -47,17 +62,25 @@ def names_of_form(explanation: Explanation, best: Choice) -> dict[str, float]:
             rest = [p for p in told.fit.pieces if p.term.name != name]
             trial = replace(told, fit=improve(evaluate(told.fit.ground, rest)))
             left = mean_square(explanation, trial)
-            late = moves and name in LATE
-            share, together = (LATE_SHARE, LATE_SHARE) if late else (LEAST_SHARE, MOST_TOGETHER)
             own = max(left - left_now, 0.0)
-            little = own <= share**2 * before and left - begun <= together**2 * before
-            if little and not (late and own > LATE_SIZE**2 * noise):
+            if any(
+                own <= most.share**2 * before
+                and left - begun <= most.together**2 * before
+                and own < most.size**2 * noise
+                for most in limits_of(name, moves)
+            ):
                 formal.append((left, name, own, trial))
         if not formal:
             break
         _, name, own, told = min(formal, key=lambda f: f[0])
         found[name] = float(np.sqrt(own / before))
     return found
+
+
+def limits_of(name: str, moves: bool) -> list[Limit]:
+    """Within any of which a name is form; moves: whether the simulation moves by itself."""
+    late = [LATE_INSIDE] if name in LATE else []
+    return [LEAST, FAINT, *([INSIDE, *late] if moves else [])]
 
 
 def faint_zero(explanation: Explanation, best: Choice) -> dict[str, float]:
@@ -80,7 +103,7 @@ def faint_zero(explanation: Explanation, best: Choice) -> dict[str, float]:
 
 def moves_by_itself(problem: Problem) -> bool:
     """Whether the simulation has a course in time of its own."""
-    return not problem.static or problem.own > 0.0
+    return not problem.static or problem.own > 0.0 or problem.course is not None
 
 
 def one_for_many(explanation: Explanation, best: Choice) -> Choice:

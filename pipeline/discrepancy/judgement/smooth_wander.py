@@ -26,7 +26,8 @@ from pipeline.physics.play_operator import play
 
 SAYS = "The zero wanders smoothly, by about {size} {unit}: no command foretells it."
 FAR = 4.0  # variance of what is left, over that of the noise beside the wander
-SMOOTHER = 3.0  # log likelihood of a smooth zero over one that walks
+WITNESSED, FARTHER = 2.0, 3.0  # the same where cycles that repeat say what noise is
+SMOOTHER, SURELY_SMOOTHER = 3.0, 8.0  # log likelihood of a smooth zero over one that walks
 LEAD = 22.0  # log likelihood of a zero over all else that may wander
 FASTEST_PACE, MOST_SETS = 12.0, 10  # per cycle
 PLAYS, PIVOTS = (0.02, 0.05, 0.1, 0.25), (-0.25, 1.25, 0.0, 0.25, 0.5, 0.75, 1.0)  # of the range
@@ -87,23 +88,26 @@ def wandering(explanation: Explanation, best: Choice) -> tuple[Explanation, Besi
 
 
 def smoother_than_a_walk(choice: Choice) -> bool:
-    """Whether what a choice takes for a zero that walks is far, and surely likelier a smooth one.
+    """Whether what a choice takes for a zero that walks is surely likelier a smooth change.
 
-    A walk at random is as rough as it is far.
+    A walk at random is as rough as it is far. The farther, the less it takes.
     """
     ground, fit = choice.fit.ground, choice.fit
     left = (ground.problem.measured - fit.predicted)[ground.used]
-    if not (ground.noise.walk > 0.0 and np.var(left) > FAR * ground.noise.deviation**2):
+    far = float(np.var(left)) / ground.noise.deviation**2
+    if ground.noise.walk == 0.0 or far < WITNESSED:
         return False
     walk = -0.5 * float(fit.innovations @ fit.innovations) - ground.log_scale
-    return beside(fit).log_likelihood > walk + SMOOTHER
+    smoother = beside(fit).log_likelihood - walk
+    return smoother > (SURELY_SMOOTHER if far < FARTHER else SMOOTHER)
 
 
 def may_wander(found: Beside, prior: NoisePrior) -> bool:
     """Whether what is left may be such a zero: far beyond the noise, slow, on no louder noise."""
     ground = found.fit.ground
     rows = len(ground.used) / len(np.unique(ground.problem.cycle))
-    far = np.var(found.left[ground.used]) > FAR * found.zero.deviation**2
+    least = WITNESSED if prior.repeats > 0 else FAR
+    far = np.var(found.left[ground.used]) > least * found.zero.deviation**2
     louder = np.log(found.zero.deviation / prior.model.deviation) > SURELY * prior.sure
     return bool(far and found.zero.pace * rows < FASTEST_PACE and not louder)
 

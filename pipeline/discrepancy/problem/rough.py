@@ -80,10 +80,10 @@ def unroughened(
 ) -> tuple[np.ndarray, float]:
     """What moved behind a noisy drive (n,), and its noise; or the drive and 0.0.
 
-    time_s: (n,). measured: (n,), NaN where not measured. A drive is left as it is where the measurement may
-    follow its noise, which then is motion, or where its noise is much less than the measurement's.
-    Motion at random looks like noise, and a play takes it out: so the drive stays, too, if the
-    measurement is as near to it behind some play as it is to the smooth one behind any.
+    time_s: (n,). measured: (n,), NaN where not measured. A drive is left as it is where the
+    measurement may follow its noise, which then is motion, or where its noise is much less than the
+    measurement's. Motion at random looks like noise, and a play takes it out: so the drive stays,
+    too, if the measurement is as near to it behind some play as it is to the smooth one behind any.
     """
     noise = noise_of_motion(drive, time_s)
     if noise == 0.0:
@@ -115,7 +115,7 @@ def left_behind_play(drive: np.ndarray, measured: np.ndarray, noise: float) -> f
 
 
 def behind_known_noise(values: np.ndarray, time_s: np.ndarray, deviation: float) -> np.ndarray:
-    """What moved behind values (n,) at times (n,), if they carry a noise of about `deviation`; or they."""
+    """What moved behind values (n,) at times (n,) with a noise of about `deviation`; or they."""
     own = noise_of_motion(values, time_s) if deviation > 0.0 else 0.0
     alike = deviation < ALIKE * own and own < ALIKE * deviation
     return behind_noise(values, own) if alike else values
