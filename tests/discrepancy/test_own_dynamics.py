@@ -55,6 +55,13 @@ def test_it_is_nothing_where_that_is_not_sure(
     assert not own(simulated, measured, drive).any()
 
 
+def test_a_command_that_goes_in_steps_is_exact_though_it_is_on_a_grid() -> None:
+    steps = 0.9 * np.abs(np.arange(len(TIME_S)) % 100 - 50.0)
+    late = steps - 0.15 * np.diff(steps, prepend=steps[:1])
+    motion = Motion(steps, TIME_S, np.zeros(len(steps), dtype=np.int64))
+    assert beside_curve(motion, IdentityCurve(), late, 1.02 * late + 0.3 + SEEN)[0].any()
+
+
 def test_a_lag_that_the_simulation_knows_is_no_mismatch_and_is_said() -> None:
     recording = followed(TIME_S, DRIVE, 1.02 * LATE + 0.3 + SEEN, PACE_HZ)
     (found,) = diagnosed(changed(recording, **{SIMULATED: LATE})).diagnoses
