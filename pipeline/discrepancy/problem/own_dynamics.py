@@ -9,7 +9,7 @@ from pipeline.physics.kinematics import Curve
 from pipeline.physics.motion import Motion
 
 FEWEST, SEEN, OWN = 30, 0.05, 0.3
-COUNTED, NOISY = 0.2, 0.5
+COUNTED, NOISY, ROUNDING = 0.2, 0.5, 1e-5
 SMOOTH = 9
 FOLLOWS, SURELY, NEARLY, SURE = 0.5, 2.0, 0.2, 0.07
 
@@ -20,10 +20,10 @@ def beside_curve(
     """What a simulation has beside a static curve of its drive, (n,) each, and whether it stays.
 
     That a servo or a spring comes a little late, a simulation may know, too: then it is no
-    mismatch. It is 0 where it is not SEEN beside the measurement's noise, or where it may be the
-    drive's own counts or noise, as it is as large as these make it: 0.29 of a count, or the noise
-    (a command that goes in steps is on a grid, too, and exact). It stays where the measurement
-    surely goes along with it; elsewhere what explains the rest has to say.
+    mismatch. It is 0 where it is not SEEN beside the measurement's noise, where it is rounding, or
+    where it may be the drive's own counts or noise, as it is as large as these make it: 0.29 of a
+    count, or the noise (a command that goes in steps is on a grid, too, and exact). It stays where
+    the measurement surely goes along with it; elsewhere what explains the rest has to say.
     """
     drive, nothing = motion.drive, np.zeros(len(motion))
     known = np.isfinite(simulated) & np.isfinite(measured)
@@ -35,7 +35,8 @@ def beside_curve(
     slope = abs(curve.slope)
     counted, rough = slope * quantum_of(drive), slope * noise_of_motion(drive, motion.time_s)
     of_drive = COUNTED * counted < size < counted / OWN or NOISY * rough < size < rough / OWN
-    if size <= SEEN * noise or of_drive:
+    least = max(SEEN * noise, ROUNDING * float(np.ptp(simulated[known])))
+    if size <= least or of_drive:
         return nothing, False
     return found, goes_along(drive[known], simulated[known], measured[known])
 
