@@ -65,9 +65,8 @@ def firm(explanation: Explanation, choice: Choice) -> Choice:
         size = float(np.sqrt(max(grew, 0.0))) / ground.noise.deviation
         fewer = search.weighed(trial.fit, choice.place)
         asked = LEAST_GAIN if size < SMALL or force else 0.0
-        faint = (
-            not force and size < FAINTEST and (len(told) > BESIDE or name not in choice.fit.slow)
-        )
+        kept = force or (len(told) <= BESIDE and name in choice.fit.slow)
+        faint = size < FAINTEST and not kept
         if faint or fewer.score - own < asked:
             found.append((size, fewer))
     return min(found, key=lambda f: f[0], default=(0.0, choice))[1]

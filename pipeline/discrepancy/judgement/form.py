@@ -28,10 +28,14 @@ class Limit(NamedTuple):
     together: float
     size: float = np.inf
 
+    def holds(self, own: float, together: float, before: float, noise: float) -> bool:
+        """Of mean squares: what a name explains, what all do, of the mismatch, and of the noise."""
+        within = own <= self.share**2 * before and together <= self.together**2 * before
+        return within and own < self.size**2 * noise
+
 
 LEAST, FAINT = Limit(0.01, 0.02), Limit(0.025, 0.025, 0.35)
 LATE_INSIDE, INSIDE = Limit(0.25, 0.25, 0.75), Limit(0.06, 0.06, 0.6)
-LEAST_SHARE = LEAST.share
 
 
 def names_of_form(explanation: Explanation, best: Choice) -> dict[str, float]:
@@ -63,12 +67,8 @@ def names_of_form(explanation: Explanation, best: Choice) -> dict[str, float]:
             trial = replace(told, fit=improve(evaluate(told.fit.ground, rest)))
             left = mean_square(explanation, trial)
             own = max(left - left_now, 0.0)
-            if any(
-                own <= most.share**2 * before
-                and left - begun <= most.together**2 * before
-                and own < most.size**2 * noise
-                for most in limits_of(name, moves)
-            ):
+            limits = limits_of(name, moves)
+            if any(most.holds(own, left - begun, before, noise) for most in limits):
                 formal.append((left, name, own, trial))
         if not formal:
             break
@@ -109,12 +109,12 @@ def moves_by_itself(problem: Problem) -> bool:
 def one_for_many(explanation: Explanation, best: Choice) -> Choice:
     """The best choice, or one name where that leaves hardly more than MANY names leave together.
 
-    Beyond what they leave it leaves less than LEAST_SHARE of the mismatch (RMS): its form, which
+    Beyond what they leave it leaves less than LEAST's share of the mismatch (RMS): its form, which
     they mop up, each in a course of its own.
     """
     if explanation.problem.derivatives is not None or len(names(best)) < MANY:
         return best
-    most = mean_square(explanation, best) + LEAST_SHARE**2 * mismatch_of(explanation, best)
+    most = mean_square(explanation, best) + LEAST.share**2 * mismatch_of(explanation, best)
     ones = [c for c in explanation.choices if len(names(c)) == 1]
     enough = [c for c in ones if mean_square(explanation, c) < most]
     return min(enough, key=lambda c: c.score, default=best)
