@@ -10,7 +10,15 @@ from pipeline.physics.bent_bristle import bending
 from pipeline.physics.damped_sliding import yielding
 from pipeline.physics.force_term import ASYMMETRY, ForceTerm, both_ways, per, resistance
 from pipeline.physics.motion import Kinetics, Motion
-from pipeline.physics.pre_sliding import FINELY, WIDEST, dragging, sliding, weighted
+from pipeline.physics.pre_sliding import (
+    FINELY,
+    WIDEST,
+    dragging,
+    evenly,
+    sliding,
+    slipped,
+    weighted,
+)
 from pipeline.physics.sprung_sliding import giving_way
 from pipeline.physics.term import Parameter, Surroundings
 
@@ -18,12 +26,12 @@ LEAST_REACH = 1e-6
 REACHES = (5e-6, 5e-5, 3e-4, 2e-3, 0.01, 0.03, 0.1, 0.3)
 ONSETS = (1e-3, 4e-3, 0.015, 0.06)
 DASHPOTS = (0.015, 0.06, 0.2, 0.5)
+SPREAD, EVEN_SPREAD = (Parameter("spread", "", 0.0, most, 0.7, 0.0) for most in (WIDEST, 1.0))
 SHAPES = (
-    Parameter("spread", "", 0.0, WIDEST, 0.7, 0.0),
     Parameter("release", "", 0.0, 1.0, 0.7, 0.0),
     Parameter("curve", "", 0.3, 5.0, 1.5, 0.0),
 )
-SHAPE_OF = {"spread": "spread", "bristle": "release", "bent": "curve"}
+SHAPE_OF = {"spread": "spread", "even": "spread", "bristle": "release", "bent": "curve"}
 CURVES = (0.5, 1.0, 2.0)
 MIDDLES = (0.0, 0.5, 1.0)
 GROWN = (-0.5, 0.5)
@@ -63,6 +71,7 @@ class CoulombFriction(ForceTerm):
 
     Forms: "" turns round about as Dahl's curve does (spread 1); "asymmetric" with force (1 +
     asymmetry) rising and (1 - asymmetry) falling; "spread" with the shape of the turn free;
+    "even" one of elements whose reaches lie evenly about their mean, as Iwan's first;
     "bristle" is one that Dahl, or Bouc and Wen, let go (see `bristled`), "bristle bent" with the
     exponent of either (see `bending`). In "smoothed" z = tanh(v / onset): no pre-sliding, but
     resistance that grows with the speed until it is full; "smoothed sprung" is that behind a spring
@@ -85,9 +94,11 @@ class CoulombFriction(ForceTerm):
         "smoothed dashpot": ("asymmetric smoothed dashpot",),
         "asymmetric": ("asymmetric spread", "asymmetric bristle"),
         "bristle": ("asymmetric bristle", "spread"),
-        "asymmetric spread": ("asymmetric bristle",),
-        "spread": ("asymmetric spread", "bristle"),
-        "bristle bent": ("asymmetric bristle bent", "bristle bent loaded"),
+        "asymmetric spread": ("asymmetric bristle", "asymmetric even"),
+        "spread": ("asymmetric spread", "bristle", "even"),
+        "even": ("asymmetric even",),
+        "bristle bent": ("asymmetric bristle bent", "bristle bent loaded", "even"),
+        "asymmetric bristle bent": ("asymmetric even",),
         "bristle bent loaded": ("asymmetric bristle bent loaded",),
         "loaded": ("asymmetric loaded", "spread loaded"),
         "spread loaded": ("asymmetric spread loaded",),
@@ -112,7 +123,8 @@ class CoulombFriction(ForceTerm):
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
         force = resistance("force", around.angle_unit, 2.0 * around.angle_span, around)
         onset = onset_of(around, 1.0 if "dashpot" in self.form else 0.5)
-        every = (force, onset, reach_of(around), ASYMMETRY, *SHAPES, *load_of(around))
+        spread = EVEN_SPREAD if "even" in self.form else SPREAD
+        every = (force, onset, reach_of(around), ASYMMETRY, spread, *SHAPES, *load_of(around))
         return tuple(p for p in every if p.name in self._names)
 
     def sizes(self, values: np.ndarray) -> dict[str, float]:
@@ -148,6 +160,8 @@ class CoulombFriction(ForceTerm):
             return bending(way, own["reach"], own["release"], own["curve"], state)
         if "bristle" in self.form:
             return dragging(way, own["reach"], own["release"], state)
+        if "even" in self.form:
+            return slipped(way, evenly(own["reach"], own["spread"]), state)
         return sliding(way, own["reach"], own.get("spread", 1.0), state, FINELY)
 
     def scaled(self, values: np.ndarray, factor: float) -> np.ndarray:

@@ -27,6 +27,11 @@ def reaches_of(reach: float, spread: float, elements: int = ELEMENTS) -> np.ndar
     return np.asarray(reach * powers / powers.mean())
 
 
+def evenly(reach: float, spread: float, elements: int = FINELY) -> np.ndarray:
+    """As `reaches_of`, from reach * (1 - spread) to reach * (1 + spread) in equal steps."""
+    return reach * (1.0 + spread * ((2.0 * np.arange(elements) + 1.0) / elements - 1.0))
+
+
 @njit(cache=True, fastmath={"contract", "reassoc", "nsz", "nnan"}, error_model="numpy")
 def _slipped(position, at, reaches, state):  # type: ignore[no-untyped-def]
     out, per_way = np.empty(position.size), 1.0 / reaches

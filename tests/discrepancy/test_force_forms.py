@@ -55,6 +55,23 @@ def test_friction_may_fall_with_the_speed_as_tustin_says():
     assert_told(found, {"coulomb_friction", "stribeck_friction"}, sizes)
 
 
+def sliders(x, reaches):
+    """The share of the friction of equal sliders on springs, each free at first (n,)."""
+    held, at, out = np.zeros(len(reaches)), x[0], np.empty(len(x))
+    for k, now in enumerate(x):
+        held = np.clip(held + (now - at) / reaches, -1.0, 1.0)
+        at, out[k] = now, held.mean()
+    return out
+
+
+def test_sliders_whose_reaches_lie_evenly_are_one_friction():
+    """As in Iwan's first model: a Stribeck effect or play would mop up what wider tails miss."""
+    t, x, rng = motion(11)
+    found = diagnosed(x, 12.0 * sliders(x, np.linspace(5e-4, 6e-3, 40)), rng)
+    sizes = {"coulomb_friction.force": 12.0, "coulomb_friction.reach": 3.25e-3}
+    assert_told(found, {"coulomb_friction"}, sizes)
+
+
 def test_magnets_may_pull_with_a_second_wave():
     t, x, rng = motion(13)
     turned = 2.0 * np.pi * x / 0.004
