@@ -36,6 +36,7 @@ CURVES = (0.5, 1.0, 2.0)
 MIDDLES = (0.0, 0.5, 1.0)
 GROWN = (-0.5, 0.5)
 LEAST_PRESSED = 0.2
+SEEN = 0.02  # of the drive's range: over so much, a turn is seen to be gradual
 
 
 def reach_of(around: Surroundings) -> Parameter:
@@ -180,6 +181,11 @@ class CoulombFriction(ForceTerm):
         half = 0.5 * around.drive_span
         far = half + abs(own["middle"] - around.drive_low - half)
         return "growth" in self._names and abs(own["growth"]) * far < LEAST_PRESSED * own["force"]
+
+    def other_names(self, values: np.ndarray, around: Surroundings) -> tuple[str, ...]:
+        """Friction, as it is called where a displacement is measured, where pre-sliding is seen."""
+        seen = self.sizes(values).get("reach", 0.0) > SEEN * around.drive_span
+        return ("friction",) if seen else ()
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
         start = {p.name: p.start for p in self.parameters(around)}

@@ -272,6 +272,10 @@ class Term:
         """Names that tell what it does with these values as well as its own; `also` unless said."""
         return self.also
 
+    def other_names(self, values: np.ndarray, around: Surroundings) -> tuple[str, ...]:
+        """Names that the catalogue has for the same thing where something else is measured."""
+        return ()
+
     def void(self, values: np.ndarray) -> bool:
         """Whether this amounts to no such thing; the first parameter is the size unless said."""
         return bool(values[0] == 0.0)

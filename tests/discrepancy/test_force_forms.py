@@ -72,6 +72,16 @@ def test_sliders_whose_reaches_lie_evenly_are_one_friction():
     assert_told(found, {"coulomb_friction"}, sizes)
 
 
+@pytest.mark.parametrize(("reach", "others"), [(2e-3, ("friction",)), (1e-4, ())])
+def test_dry_friction_that_is_seen_to_turn_gradually_has_the_name_of_a_displacements_too(
+    reach: float, others: tuple[str, ...]
+):
+    t, x, rng = motion(11)
+    found = diagnosed(x, dahl(t, x, 12.0, reach), rng)
+    assert [(p.name, p.alternatives) for p in found.physics] == [("coulomb_friction", others)]
+    assert found.verdict == "explained"
+
+
 def test_magnets_may_pull_with_a_second_wave():
     t, x, rng = motion(13)
     turned = 2.0 * np.pi * x / 0.004

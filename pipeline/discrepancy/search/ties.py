@@ -19,7 +19,8 @@ TEMPERATURE = 2.0
 class Standing:
     """How sure a name is: its probability, and the names that could stand in its place.
 
-    tied: whether one of them fits as well in these data, or would in any (what bends one curve).
+    Last come other names of the same thing (`Term.other_names`). tied: whether one of the others
+    fits as well in these data, or would in any (what bends one curve).
     """
 
     probability: float
@@ -78,7 +79,9 @@ def standing(name: str, best: Choice, choices: list[Choice], problem: Problem) -
     tied += [n for n in also if n not in names(best) | set(tied)]
     known = [n for n in like if n not in names(best) | set(tied)]
     unsettled = bool(tied) or bool(name in BENDS and known)
-    return Standing(probability, tuple(sorted(tied) + known), unsettled)
+    same = {n for p in own for n in p.term.other_names(p.values, problem.around)}
+    called = sorted(same - names(best) - {*tied, *known})
+    return Standing(probability, (*sorted(tied), *known, *called), unsettled)
 
 
 def spare(choice: Choice, best: Choice) -> float:
