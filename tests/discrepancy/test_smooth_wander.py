@@ -173,6 +173,20 @@ def test_a_smooth_change_that_is_no_zero_is_structure_where_a_walk_would_take_it
     assert told.structure.where == decision.SMOOTHLY
 
 
+@pytest.mark.parametrize(("cycles_a_swing", "drifts"), [(1.37, False), (6.4, True)])
+def test_what_swings_with_one_period_time_and_again_is_no_drift(cycles_a_swing, drifts):
+    """A shaking table or a breath, as slow as a drift where pictures are taken seldom."""
+    recording = recorded({}, cycles=CYCLES)
+    swing = np.sin(2.0 * np.pi * np.arange(CYCLES * STEPS) / (cycles_a_swing * STEPS) + 0.4)
+    moved = recording.values(ANGLE) + 6.0 * NOISE * swing
+    (told,) = diagnosed(changed(recording, **{ANGLE: moved})).diagnoses
+    if drifts:
+        assert [p.name for p in told.physics] == ["drift"]
+    else:
+        assert told.verdict == "unknown_physics"
+        assert "again and again every" in told.unexplained.where
+
+
 @pytest.mark.parametrize("carrier", ["zero", "gain"])
 def test_an_offset_that_is_off_leads_no_wander_astray(carrier):
     """Noise that walks leaves any offset: what goes with the commands could not follow that."""

@@ -13,6 +13,7 @@ from pipeline.discrepancy.judgement.rivals import mechanism_of
 from pipeline.discrepancy.judgement.smooth_wander import (
     Beside,
     smoother_than_a_walk,
+    swing_of,
     wandering,
 )
 from pipeline.discrepancy.judgement.structure import (
@@ -87,8 +88,11 @@ def decided(problem: Problem, explanation: Explanation) -> Decision:
         return Decision(explanation, best, structure)
     sound = known and not (lost or undone or ringing(explanation, told))
     wandered = beside_a_wander(problem, explanation, told) if sound else None
-    if wandered is not None:
-        return wandered
+    if wandered is not None and wandered.wander is not None:
+        swing = swing_of(wandered.wander)
+        if swing is None:
+            return wandered
+        structure = replace(structure, found=True, where=swing)
     if smooth and not structure.found:
         structure = replace(structure, found=True, where=SMOOTHLY)
     if not structure.found:

@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.signal import lombscargle
 from scipy.special import chdtrc
 
 from pipeline.discrepancy.fitting.charge import complexity
@@ -31,6 +32,7 @@ SMOOTHER, SURELY_SMOOTHER = 3.0, 8.0  # log likelihood of a smooth zero over one
 LEAD = 22.0  # log likelihood of a zero over all else that may wander
 FASTEST_PACE, MOST_SETS = 12.0, 10  # per cycle
 PLAYS, PIVOTS = (0.02, 0.05, 0.1, 0.25), (-0.25, 1.25, 0.0, 0.25, 0.5, 0.75, 1.0)  # of the range
+SWINGS, SWUNG, FINELY = 4.0, 0.6, 0.2  # one period that holds so much, so often, is no drift
 ALIKE_OVER = 2.5  # over the pace: so many rows of a smooth zero say one thing of its variance
 
 
@@ -181,6 +183,23 @@ def is_zero(found: Beside) -> bool:
     least = found.log_likelihood - LEAD
     others = carriers(found.fit.ground.problem.motion.drive)
     return all(beside(found.fit, c).log_likelihood < least for c in others)
+
+
+def swing_of(found: Beside) -> str | None:
+    """What swings with one period time and again, in words; None where a zero wanders at will.
+
+    By least squares, for rows may be missing (Lomb, Astrophys. Space Sci. 39 (1976) 447).
+    """
+    ground = found.fit.ground
+    time_s, left = ground.problem.motion.time_s[ground.used], found.left[ground.used]
+    most = FASTEST_PACE * len(np.unique(ground.problem.cycle))
+    periods = np.arange(0.5, most, FINELY)
+    span_s = float(np.ptp(time_s))
+    shares = lombscargle(time_s, left - left.mean(), 2.0 * np.pi * periods / span_s, normalize=True)
+    best = int(np.argmax(shares))
+    if shares[best] < SWUNG or periods[best] < SWINGS:
+        return None
+    return f"a swing in time, again and again every {worded(span_s / periods[best])} s"
 
 
 def carriers(drive: np.ndarray) -> Iterator[np.ndarray]:
