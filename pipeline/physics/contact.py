@@ -57,7 +57,7 @@ class Contact(Term):
         start = middle + 0.3 * self.side * span
         own = (
             Parameter("stiffness", "", 0.0, STIFFEST, 0.5, 0.5),
-            Parameter("angle", unit, ends[0], ends[1], start, 0.0),
+            Parameter("angle", unit, ends[0], ends[1], start, 0.0, place=True),
             Parameter("skin", unit, 1e-3 * span, 0.06 * span, 0.005 * span, 0.005 * span),
         )
         if HARDENING in self.form:

@@ -36,7 +36,9 @@ class EndStop(Term):
         middle = around.angle_low + 0.5 * span
         ends = sorted((middle, middle + 0.6 * self.side * span))
         return (
-            Parameter("angle", unit, ends[0], ends[1], middle + 0.4 * self.side * span, 0.0),
+            Parameter(
+                "angle", unit, ends[0], ends[1], middle + 0.4 * self.side * span, 0.0, place=True
+            ),
             Parameter("softness", unit, 1e-4 * span, 0.03 * span, 0.003 * span, 0.005 * span),
             Parameter("give", "", HARDEST, SOFTEST, USUAL, 0.1 * USUAL, weak=True),
         )

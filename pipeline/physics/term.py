@@ -31,7 +31,8 @@ class Parameter:
     that its slope is taken over a share of its value. measured: it is a size in the measurement
     itself, and is told with the calibration's gain in it. at_drive: it is a size of the drive, and
     is told, in `unit`, as what a joint of the curve's mean slope makes of it. at_home: it moves the
-    joint by more where the curve is steeper, and is told as it is where the drive is at 0.
+    joint by more where the curve is steeper, and is told as it is where the drive is at 0. place:
+    it is a simulated angle, and is told as the measurement reads there, too.
     """
 
     name: str
@@ -46,6 +47,7 @@ class Parameter:
     measured: bool = False
     at_drive: bool = False
     at_home: bool = False
+    place: bool = False
 
 
 @dataclass(frozen=True)

@@ -66,7 +66,7 @@ def sliders(x, reaches):
 
 def test_sliders_whose_reaches_lie_evenly_are_one_friction():
     """As in Iwan's first model: a Stribeck effect or play would mop up what wider tails miss."""
-    t, x, rng = motion(11)
+    _, x, rng = motion(11)
     found = diagnosed(x, 12.0 * sliders(x, np.linspace(5e-4, 6e-3, 40)), rng)
     sizes = {"coulomb_friction.force": 12.0, "coulomb_friction.reach": 3.25e-3}
     assert_told(found, {"coulomb_friction"}, sizes)

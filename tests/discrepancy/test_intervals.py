@@ -4,9 +4,13 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize_scalar
 
+from pipeline.config import DiagnosisConfig, ToleranceConfig
 from pipeline.discrepancy.model.intervals import LONGEST_MOVE, arrival_s, estimates, stated
+from pipeline.number_words import worded
 from pipeline.physics.catalogue import term
 from pipeline.physics.mechanism import Piece
+from pipeline.stages.diagnosis import diagnose
+from tests.discrepancy.made import recorded
 from tests.discrepancy.test_fit import fitted, widened
 
 DWELL_S = 3.0
@@ -60,3 +64,18 @@ def test_a_friction_that_the_drive_bends_is_told_at_the_joint():
     assert width.low < width.value < width.high < 6.0 * slope * 1.1
     assert stated(fit, fit.pieces[0])[:2] == pytest.approx([width.value, reach.value])
     assert {width.unit, reach.unit} == {around.angle_unit}
+
+
+@pytest.mark.parametrize("shape_deg", [0.0, 0.3])
+def test_a_stop_is_told_as_the_measurement_reads_there_too(shape_deg: float):
+    """An affine calibration (gain 1.02, offset 1.5) parts the two; a smooth error takes part."""
+    recording = recorded({"end_stop/upper": {"angle": 25.0}}, cycles=9, offset=1.5)
+    tolerance = ToleranceConfig(shape=shape_deg)
+    (told,) = diagnose(DiagnosisConfig(tolerance=tolerance), recording).diagnoses
+    (stop,) = told.physics
+    found = {e.name: e for e in stop.parameters}
+    read = found["angle measured"]
+    assert read.low < 1.02 * 25.0 + 1.5 < read.high
+    assert read.high - read.low < 1.2
+    assert not found["angle"].low < read.value < found["angle"].high
+    assert f"The measurement reads {worded(read.value)} deg there." in stop.says

@@ -17,11 +17,12 @@ from pipeline.discrepancy.judgement.mistaken import (
 from pipeline.discrepancy.judgement.rivals import mechanism_of
 from pipeline.discrepancy.judgement.structure import Structure
 from pipeline.discrepancy.judgement.walking_zero import zero_that_walks
-from pipeline.discrepancy.model.intervals import estimates, stated
-from pipeline.discrepancy.model.result import FOLLOWS, Evidence, NamedPhysics
+from pipeline.discrepancy.model.intervals import MEASURED, estimates, stated
+from pipeline.discrepancy.model.result import FOLLOWS, Estimate, Evidence, NamedPhysics
 from pipeline.discrepancy.search.explain import Explanation
 from pipeline.discrepancy.search.ties import standing
 from pipeline.discrepancy.search.weighing import Choice
+from pipeline.number_words import worded
 from pipeline.physics.coupling import Coupling
 from pipeline.physics.force_term import ForceTerm
 from pipeline.physics.mechanism import Piece
@@ -88,7 +89,7 @@ def of_terms(
             parameters=(*own, *ways),
             heldout_rmse_without=error_without(best, name, evidence),
             alternatives=() if piece.term.beyond else stands.alternatives,
-            says=says + said_of_surplus(piece) + said_of_ways(piece, ways),
+            says=says + said_of_surplus(piece) + said_of_ways(piece, ways) + said_as_measured(own),
         )
 
 
@@ -102,6 +103,12 @@ def without_name(best: Choice) -> list[str]:
 def said_of_surplus(piece: Piece) -> str:
     """That the simulation has too much of a force, where its size is negative; "" elsewhere."""
     return SURPLUS if isinstance(piece.term, ForceTerm) and piece.values[0] < 0.0 else ""
+
+
+def said_as_measured(own: Sequence[Estimate]) -> str:
+    """What the measurement reads where something is met in the simulation; "" where it is not."""
+    read = [e for e in own if e.name.endswith(MEASURED)]
+    return "".join(f" The measurement reads {worded(e.value)} {e.unit} there." for e in read)
 
 
 def together(one: NamedPhysics, other: NamedPhysics) -> NamedPhysics:

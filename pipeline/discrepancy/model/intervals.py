@@ -8,10 +8,11 @@ from pipeline.discrepancy.fitting.moments import moments, moments_of, moved
 from pipeline.discrepancy.model.result import Estimate
 from pipeline.discrepancy.noise.family import NoiseFamily, Place
 from pipeline.discrepancy.problem.problem import Problem
-from pipeline.physics.mechanism import Piece
+from pipeline.physics.mechanism import Piece, Trace
 from pipeline.physics.term import Parameter
 from pipeline.recording import branch_of
 
+MEASURED = " measured"
 DEVIATIONS = 1.96
 FALL = 3.84
 PATIENCE = 6
@@ -145,9 +146,29 @@ def estimates(fit: Fit, covariance: np.ndarray) -> list[tuple[Piece, tuple[Estim
                 low, high = sorted((scale * p.low, scale * p.high))
                 low, high = max(scale * value - reach, low), min(scale * value + reach, high)
             own.append(Estimate(p.name, scale * float(value), float(low), float(high), p.unit))
+            if p.place:
+                own.append(as_measured(fit, p, float(value), covariance, k))
             k += 1
         out.append((piece, tuple(own)))
     return out
+
+
+def as_measured(
+    fit: Fit, place: Parameter, angle: float, covariance: np.ndarray, k: int
+) -> Estimate:
+    """What the measurement reads at a simulated angle, by the calibration, with its interval.
+
+    covariance: (m, m) of nuisances, then parameters, of which this one is the k-th.
+    """
+    nuisances, nuisance = fit.ground.nuisances, fit.nuisance
+    middles = {b.command: np.array([b.middle]) for b in nuisances.beside}
+    at = np.array([angle])
+    (columns,) = nuisances.columns(Trace(at, at, at, {}), middles)
+    slopes = np.append(columns, nuisance[0])
+    rows = [*range(len(nuisance)), k]
+    read = float(columns @ nuisance)
+    reach = DEVIATIONS * float(np.sqrt(max(slopes @ covariance[np.ix_(rows, rows)] @ slopes, 0.0)))
+    return Estimate(place.name + MEASURED, read, read - reach, read + reach, place.unit)
 
 
 def arrival_s(dwell_s: float, late_s: float) -> float:
