@@ -47,6 +47,19 @@ def test_a_gain_that_changes_beside_a_push_is_the_same_coupling():
     assert told[f"lever of {YAW}"] == pytest.approx(0.002, rel=0.15)
 
 
+def test_a_gain_that_pivots_where_the_simulation_is_off_is_no_push():
+    """About the joint's own zero: to a simulation that is off by 1.8 deg, it pushes as well."""
+    seen = recorded({}, two_axes=True)
+    pose, other = seen.values(SIMULATED), seen.values(YAW)
+    noise = NOISE * np.random.default_rng(5).standard_normal(len(pose))
+    measured = (1.0 + 0.006 * other) * pose + noise
+    off = changed(seen, **{ANGLE: measured, SIMULATED: pose - 1.8})
+    (found,) = diagnose(DiagnosisConfig(), off).diagnoses
+    (physics,) = found.physics
+    assert f"gain of {YAW}" in {p.name for p in physics.parameters}
+    assert (physics.name, found.verdict) == ("coupling", "partly_explained")
+
+
 def test_wires_that_another_axis_pulls_are_told_by_what_they_do_at_home():
     """Where the curve has a slope of 0.7, as steep again by a quarter as it is on the whole."""
     seen = recorded({}, two_axes=True)

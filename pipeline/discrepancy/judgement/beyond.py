@@ -5,15 +5,46 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.special import chdtrc
 
-from pipeline.discrepancy.fitting.fit import evaluate, improve
+from pipeline.discrepancy.fitting.fit import Fit, evaluate, improve
 from pipeline.discrepancy.judgement.structure import Structure, mismatch_variance
 from pipeline.discrepancy.model.result import NamedPhysics
 from pipeline.discrepancy.search.explain import Explanation
 from pipeline.discrepancy.search.weighing import Choice
 from pipeline.physics.catalogue import term
+from pipeline.physics.coupling import Coupling
+from pipeline.physics.coupling_ways import Lever
 from pipeline.physics.mechanism import Piece
 
 PART = 0.01
+PIVOT = 0.05
+
+
+def alone(fit: Fit, piece: Piece) -> bool:
+    """Whether a piece is all of its name, but for what tells where a gain pivots.
+
+    Another axis that changes the gain about an angle other than the simulation's zero (off by the
+    offset, and by PIVOT of half the range) seems to move this one besides, by so much at most.
+    """
+    others = [p for p in fit.pieces if p.term.name == piece.term.name and p is not piece]
+    term = piece.term
+    if not (isinstance(term, Coupling) and isinstance(term.way, Lever)):
+        return not others
+    around = fit.ground.problem.around
+    half = 0.5 * around.other_span[term.channel]
+    pivot = abs(float(fit.nuisance[1])) + 0.5 * PIVOT * around.angle_span
+    most = pivot * farthest(piece.values, half)
+    return all(
+        isinstance(p.term, Coupling)
+        and p.term.channel == term.channel
+        and p.term.way is None
+        and farthest(p.values, half) < most
+        for p in others
+    )
+
+
+def farthest(values: np.ndarray, half: float) -> float:
+    """How far a slope and a bend, the first of some values, go at the end of half a range."""
+    return float(abs(values[0]) * half + abs(values[1]) * half**2)
 
 
 def beyond_its_name(
@@ -29,7 +60,7 @@ def beyond_its_name(
     tied = {p.name for p in physics if p.alternatives}
     for k, piece in enumerate(fit.pieces):
         says = piece.term.beyond
-        if fit.names.count(piece.term.name) == 1 and piece.term.name not in tied:
+        if alone(fit, piece) and piece.term.name not in tied:
             says = says or piece.term.beyond_alone
         lone = "" if says or len(physics) > 1 else piece.term.beyond_lone
         if not (says or lone):
