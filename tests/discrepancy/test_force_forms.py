@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from pipeline.config import DiagnosisConfig, SimulationConfig
+from pipeline.discrepancy.judgement.structure import CHANGES
 from pipeline.recording import Channel, Recording
 from pipeline.stages.diagnosis import diagnose
 from pipeline.stages.simulation import simulate
@@ -273,3 +274,17 @@ def test_a_bump_stop_pushes_less_while_it_is_let_go(side):
     pushed = 40.0 * (depth / deep) ** 1.5 * np.maximum(1.0 + 0.4 * side * v / fast, 0.0)
     found = diagnosed(x, side * pushed, rng)
     assert_told(found, {"contact"}, {"contact.position": edge, "contact.loss": 0.4 / fast})
+
+
+@pytest.mark.parametrize("fades", [0.0, 0.5])
+def test_a_damper_that_fades_as_it_warms_up_is_no_constant_one(fades: float):
+    """Its oil gets thinner: no name of the catalogue, and no noise either."""
+    rates = np.tile([0.5, 1.0, 2.0], 4)
+    x = np.concatenate([0.02 * np.sin(2 * np.pi * f * np.arange(int(RATE / f)) / RATE)
+                        for f in rates])  # fmt: skip
+    t, rng = np.arange(len(x)) / RATE, np.random.default_rng(11)
+    v = np.gradient(x, t)
+    warm = 1.0 - fades * -np.expm1(-t / (0.3 * t[-1]))
+    found = diagnosed(x, 60.0 * v * warm + dahl(t, x, 6.0, 4e-4), rng)
+    told = found.verdict, found.unexplained.where == CHANGES
+    assert told == (("partly_explained", True) if fades else ("explained", False))

@@ -1,12 +1,15 @@
 """Signs that what a law of force leaves is no noise, though the noise that was learnt says so."""
 
 import numpy as np
+from scipy.special import chdtrc
 
 from pipeline.discrepancy.judgement.rest import travelled
+from pipeline.discrepancy.noise.force_noise import spell_of
 from pipeline.discrepancy.search.weighing import Choice
 from pipeline.recording import reversals_of
 
 FEWEST_BENDS = 40
+NEGLIGIBLE = 1e-3
 FEWEST_NEAR, EARLY, MORE = 20, 0.2, 2.0
 
 
@@ -41,6 +44,31 @@ def after_reversals(choice: Choice) -> bool:
         return False
     most = float(near @ near) > float(far @ far)
     return most and mean_square(near) > MORE * mean_square(far)
+
+
+def changing(choice: Choice) -> tuple[float, float]:
+    """How much of what a law of force leaves is its change with time, and how likely by chance.
+
+    A share of the innovations' squares: what resists by speed and direction and what springs,
+    growing or falling with the time (what goes by the speed also with its square), beside all that
+    the law itself can follow. Neighbours of the others that say the same count once in the chance.
+    """
+    fit, ground = choice.fit, choice.fit.ground
+    motion, used = ground.problem.motion, ground.used
+    assert motion.kinetics is not None
+    speed, drive = motion.kinetics.velocity, motion.drive - np.mean(motion.drive[used])
+    time = 2.0 * (motion.time_s - motion.time_s[0]) / np.ptp(motion.time_s) - 1.0
+    changes = (speed * time, speed * time**2, np.sign(speed) * time, drive * time)
+    columns = ground.whiten(np.where(used[:, None], np.column_stack(changes), 0.0))
+    columns = columns - fit.basis @ (fit.basis.T @ columns)
+    sizes = np.maximum(np.linalg.norm(columns, axis=0), 1e-300)
+    basis, kept, _ = np.linalg.svd(columns / sizes, full_matrices=False)
+    basis = basis[:, kept > NEGLIGIBLE]
+    rest = fit.innovations
+    other = rest - basis @ (basis.T @ rest)
+    share = 1.0 - float(other @ other) / max(float(rest @ rest), 1e-300)
+    apart = len(rest) / spell_of(other, np.flatnonzero(used))
+    return share, float(chdtrc(max(basis.shape[1], 1), share * apart))
 
 
 def left_by(choice: Choice) -> np.ndarray:

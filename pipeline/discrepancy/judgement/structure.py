@@ -7,6 +7,7 @@ import numpy as np
 from pipeline.discrepancy.judgement.alike import NOTHING, Alike, alike
 from pipeline.discrepancy.judgement.force_rest import (
     after_reversals,
+    changing,
     left_by,
     mean_square,
     too_slow,
@@ -28,6 +29,7 @@ CHANCE, RARE, SELDOM = 1e-5, 1e-4, 1e-3
 SMALLEST_SIZE, REPEATED, OF_PILE = 0.2, 0.5, 0.25
 ROUNDED = 1.1
 LEAST_ALIKE, AGAIN = 0.2, "what comes again where the motion does"
+LEAST_CHANGE, CHANGES = 0.1, "how it resists or springs, which changes with time"
 RINGS = "samples far off after steps of other lengths than the rest: it rings there"
 SWINGS = "samples far off to one side and the other by turns: it swings there"
 RECURS = "swings that go on from sample to sample, as noise does not"
@@ -66,8 +68,8 @@ def structure_of(explanation: Explanation, choice: Choice) -> Structure:
     ratio, Bonferroni over the families of curves), in noise that varies as slowly as physics does,
     in what cycles have in common at each step, in noise with two humps, in outliers that swing or
     come after other steps than the rest, in a hum, in jerks, in swings that go on, or, of a force,
-    in what comes again where the motion does. What is surely there but much smaller than the noise
-    is the form of a term, no physics.
+    in what comes again where the motion does, or in a law that changes. What is surely there but
+    much smaller than the noise is the form of a term, no physics.
     """
     if rounded(explanation, choice):
         return Structure(False, None, 0.0, 1.0)
@@ -84,6 +86,7 @@ def structure_of(explanation: Explanation, choice: Choice) -> Structure:
         or jerking(explanation, choice)
         or recurring(explanation, choice)
         or coming_again(again, choice)
+        or fading(choice)
     )
     by_chance = min(min((r.p_value for r in rests), default=1.0) * len(rests), 1.0)
     if sign is None:
@@ -152,6 +155,16 @@ def coming_again(again: Alike, choice: Choice) -> Sign | None:
     if not (again.sure and again.share > LEAST_ALIKE):
         return None
     return Sign(AGAIN, float(np.sqrt(again.share * mean_square(left_by(choice)))), CHANCE)
+
+
+def fading(choice: Choice) -> Sign | None:
+    """What a law of force leaves because it changes with time, if that is much of it."""
+    if choice.fit.ground.problem.derivatives is None:
+        return None
+    share, p_value = changing(choice)
+    if share < LEAST_CHANGE or p_value > CHANCE:
+        return None
+    return Sign(CHANGES, float(np.sqrt(share * mean_square(left_by(choice)))), p_value)
 
 
 def of_repeats(explanation: Explanation, choice: Choice) -> Sign | None:
