@@ -4,7 +4,6 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.signal import lombscargle
 from scipy.special import chdtrc
 
 from pipeline.discrepancy.fitting.charge import complexity
@@ -190,6 +189,8 @@ def swing_of(found: Beside) -> str | None:
 
     By least squares, for rows may be missing (Lomb, Astrophys. Space Sci. 39 (1976) 447).
     """
+    from scipy.signal import lombscargle
+
     ground = found.fit.ground
     time_s, left = ground.problem.motion.time_s[ground.used], found.left[ground.used]
     most = FASTEST_PACE * len(np.unique(ground.problem.cycle))
