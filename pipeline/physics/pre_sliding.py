@@ -27,9 +27,12 @@ def reaches_of(reach: float, spread: float, elements: int = ELEMENTS) -> np.ndar
     return np.asarray(reach * powers / powers.mean())
 
 
-def evenly(reach: float, spread: float, elements: int = FINELY) -> np.ndarray:
-    """As `reaches_of`, from reach * (1 - spread) to reach * (1 + spread) in equal steps."""
-    return reach * (1.0 + spread * ((2.0 * np.arange(elements) + 1.0) / elements - 1.0))
+def evenly(reach: float, spread: float) -> np.ndarray:
+    """As `reaches_of`, (FINELY,), from reach * (1 - spread) to reach * (1 + spread) in equal steps.
+
+    Source: Iwan, J. Appl. Mech. 33 (1966) 893, whose sliders are as many of each strength.
+    """
+    return reach * (1.0 + spread * ((2.0 * np.arange(FINELY) + 1.0) / FINELY - 1.0))
 
 
 @njit(cache=True, fastmath={"contract", "reassoc", "nsz", "nnan"}, error_model="numpy")

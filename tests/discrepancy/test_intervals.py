@@ -79,3 +79,12 @@ def test_a_stop_is_told_as_the_measurement_reads_there_too(shape_deg: float):
     assert read.high - read.low < 1.2
     assert not found["angle"].low < read.value < found["angle"].high
     assert f"The measurement reads {worded(read.value)} deg there." in stop.says
+
+
+@pytest.mark.parametrize(("beside", "told"), [("gravity", True), ("camera_tilt", False)])
+def test_a_sensor_that_bends_leaves_no_reading_that_calibration_tells(beside: str, told: bool):
+    bends = np.array([0.5, 0.2])
+    stop = Piece(term("end_stop", "upper"), np.array([26.0, 0.3, 0.02]))
+    fit = fitted(3, {"end_stop/upper": {"angle": 25.0}}, (stop, Piece(term(beside), bends)))
+    names = {e.name for _, own in estimates(fit, widened(fit)) for e in own}
+    assert ("angle measured" in names) == told

@@ -187,7 +187,8 @@ def is_zero(found: Beside) -> bool:
 def swing_of(found: Beside) -> str | None:
     """What swings with one period time and again, in words; None where a zero wanders at will.
 
-    By least squares, for rows may be missing (Lomb, Astrophys. Space Sci. 39 (1976) 447).
+    By least squares at each frequency, as cycles that are held out would come again themselves on
+    the grid of a `hum` (Lomb, Astrophys. Space Sci. 39 (1976) 447).
     """
     from scipy.signal import lombscargle
 

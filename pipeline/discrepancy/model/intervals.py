@@ -8,6 +8,7 @@ from pipeline.discrepancy.fitting.moments import moments, moments_of, moved
 from pipeline.discrepancy.model.result import Estimate
 from pipeline.discrepancy.noise.family import NoiseFamily, Place
 from pipeline.discrepancy.problem.problem import Problem
+from pipeline.physics.catalogue import BEND
 from pipeline.physics.mechanism import Piece, Trace
 from pipeline.physics.term import Parameter
 from pipeline.recording import branch_of
@@ -146,11 +147,16 @@ def estimates(fit: Fit, covariance: np.ndarray) -> list[tuple[Piece, tuple[Estim
                 low, high = sorted((scale * p.low, scale * p.high))
                 low, high = max(scale * value - reach, low), min(scale * value + reach, high)
             own.append(Estimate(p.name, scale * float(value), float(low), float(high), p.unit))
-            if p.place:
+            if p.place and not bent_beyond_the_joint(fit):
                 own.append(as_measured(fit, p, float(value), covariance, k))
             k += 1
         out.append((piece, tuple(own)))
     return out
+
+
+def bent_beyond_the_joint(fit: Fit) -> bool:
+    """Whether the sensor bends what the joint does, so that calibration alone tells no reading."""
+    return any(p.term.group == BEND and p.term.site == "sensor" for p in fit.pieces)
 
 
 def as_measured(
