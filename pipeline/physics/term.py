@@ -278,6 +278,10 @@ class Term:
         """Names that the catalogue has for the same thing where something else is measured."""
         return ()
 
+    def chance(self, values: np.ndarray, motion: Motion) -> float:
+        """What it takes to be no more than a coincidence with these values, in -2 log odds."""
+        return 0.0
+
     def void(self, values: np.ndarray) -> bool:
         """Whether this amounts to no such thing; the first parameter is the size unless said."""
         return bool(values[0] == 0.0)

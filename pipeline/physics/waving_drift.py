@@ -10,13 +10,15 @@ from pipeline.physics.term import Parameter, Surroundings
 
 WAVE, RISING = "wave", "rising wave"
 SHORTEST, CYCLES = 0.15, 1.5
+ALIKE, COINCIDENCE = 0.99, 16.0
 
 
 class WavingDrift(Drift):
     """d = amplitude (sin(2 pi t / period + phase) - sin phase), slower than the cycles.
 
-    A wave as quick as these is what the commands do. Form "rising wave" is the same + rate t: a
-    room that warms up over days. Source: definition.
+    A wave as quick as these is what the commands do. So is one in step with another axis's, unless
+    by COINCIDENCE: of all periods and phases those are one in a few thousand. Form "rising wave" is
+    the same + rate t: a room that warms up over days. Source: definition.
     """
 
     unlikely = 3.0  # it follows what jitters by cycle, too
@@ -49,6 +51,12 @@ class WavingDrift(Drift):
         level = [0.0] * (self.form != WAVE)
         phases = np.arange(4) * np.pi / 4
         return np.array([[size, p, phase, *level] for p in periods for phase in phases])
+
+    def chance(self, values: np.ndarray, motion: Motion) -> float:
+        wave = np.sin(2 * np.pi * motion.time_s / values[1] + values[2])
+        moving = [other for other in motion.others.values() if np.ptp(other) > 0.0]
+        alike = any(abs(np.corrcoef(wave, other)[0, 1]) > ALIKE for other in moving)
+        return COINCIDENCE if alike else 0.0
 
     def void(self, values: np.ndarray) -> bool:
         return bool(values[0] == 0.0)

@@ -2,11 +2,12 @@
 
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 
 from pipeline.config import DiagnosisConfig
 from pipeline.discrepancy.model.result import Diagnosis
 from pipeline.stages.diagnosis import diagnose
-from tests.discrepancy.made import ANGLE, NOISE, SIMULATED, changed, recorded
+from tests.discrepancy.made import ANGLE, NOISE, SIMULATED, changed, motion_of, recorded
 
 YAW = "yaw_command_deg"
 
@@ -100,3 +101,17 @@ def test_where_no_other_axis_moves_a_weight_is_as_any_bend():
     found = diagnosed({"gravity": {"deflection": 6.0, "zero": 0.7}}, two_axes=False)
     assert "coupling" in found.not_excited
     assert found.verdict == "ambiguous"
+
+
+def test_a_wave_in_step_with_another_axis_is_its_coupling_and_no_drift():
+    """Beside a drift one wave that rises tells both, in fewer names: by coincidence alone."""
+    seen, motion = recorded({}, noise=0.0, cycles=9), motion_of(9)
+    slow = 30.0 * np.sin(2.0 * np.pi * motion.time_s / 1100.0)
+    white = NOISE * np.random.default_rng(6).standard_normal(len(slow))
+    noise = lfilter([1.0], [1.0, -0.8], white)
+    warming = 2.0 * motion.time_s / motion.time_s[-1]
+    measured = seen.values(ANGLE) + 0.1 * slow + warming + noise
+    moved = changed(seen, **{ANGLE: measured, YAW: slow})
+    (found,) = diagnose(DiagnosisConfig(), moved).diagnoses
+    assert {p.name for p in found.physics} == {"coupling", "drift"}
+    assert found.after.heldout_rmse < 1.1 * np.std(noise)

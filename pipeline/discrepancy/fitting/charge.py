@@ -24,7 +24,7 @@ def complexity(fit: Fit) -> float:
     form tells is told so.
     """
     first_s = fit.ground.problem.motion.time_s[int(np.argmax(fit.ground.used))]
-    around = fit.ground.problem.around
+    around, motion = fit.ground.problem.around, fit.ground.problem.motion
     charge, each = 0.0 if absurd_calibration(fit) is None else VOID, log(independent(fit.ground))
     for i, piece in enumerate(fit.pieces):
         charge += VOID if piece.term.void(piece.values) else 0.0
@@ -33,6 +33,7 @@ def complexity(fit: Fit) -> float:
         own = (SECOND_SIDE if again else TERM_COST) + piece.term.unlikely
         parameters = parameters_of(fit.ground, piece.term)
         charge += own * max(sum(p.moment for p in parameters), 1)
+        charge += piece.term.chance(piece.values, motion)
         for p, value in zip(parameters, piece.values, strict=True):
             charge += VOID if p.moment and value <= first_s else 0.0
             nothing = p.weak or (value <= p.low and p.typical > 0.0)

@@ -166,7 +166,7 @@ def by_repeats(
         structure = disproved(problem, explanation, best, predicted_by(problem, best), structure)
     if not structure.found:
         return best, structure
-    kept = fewer(explanation, best)
+    kept = fewer(explanation, best, structure)
     return kept, told_but_for_its_form(explanation, kept, structure) if sound else structure
 
 

@@ -12,8 +12,9 @@ from pipeline.discrepancy.judgement.force_rest import (
     mean_square,
     too_slow,
 )
+from pipeline.discrepancy.judgement.holding import held_by_chance
 from pipeline.discrepancy.judgement.hum import hum
-from pipeline.discrepancy.judgement.mistaken import FEWEST, after_others, incredible
+from pipeline.discrepancy.judgement.mistaken import FEWEST, after_others, incredible, late_by
 from pipeline.discrepancy.judgement.recurrence import foretold_share
 from pipeline.discrepancy.judgement.rest import Rest, repeated_rest, structured_rest, two_valued
 from pipeline.discrepancy.judgement.swinging import swings
@@ -34,6 +35,7 @@ RINGS = "samples far off after steps of other lengths than the rest: it rings th
 SWINGS = "samples far off to one side and the other by turns: it swings there"
 RECURS = "swings that go on from sample to sample, as noise does not"
 JERKY, JERKS = 4.4, "jerks, each time elsewhere: it sticks and slips"
+HOLDS = "samples that stay where the one before was as long as it is near: it is held, and lets go"
 
 
 @dataclass(frozen=True)
@@ -67,9 +69,9 @@ def structure_of(explanation: Explanation, choice: Choice) -> Structure:
     It shows in flexible curves of what was commanded that chance does not explain (likelihood
     ratio, Bonferroni over the families of curves), in noise that varies as slowly as physics does,
     in what cycles have in common at each step, in noise with two humps, in outliers that swing or
-    come after other steps than the rest, in a hum, in jerks, in swings that go on, or, of a force,
-    in what comes again where the motion does, or in a law that changes. What is surely there but
-    much smaller than the noise is the form of a term, no physics.
+    come after other steps than the rest, in a hum, in jerks, in samples that are held, in swings
+    that go on, or, of a force, in what comes again where the motion does, or in a law that changes.
+    What is surely there but much smaller than the noise is the form of a term, no physics.
     """
     if rounded(explanation, choice):
         return Structure(False, None, 0.0, 1.0)
@@ -84,6 +86,7 @@ def structure_of(explanation: Explanation, choice: Choice) -> Structure:
         or ringing(explanation, choice)
         or humming(explanation, choice)
         or jerking(explanation, choice)
+        or holding(explanation, choice)
         or recurring(explanation, choice)
         or coming_again(again, choice)
         or fading(choice)
@@ -239,6 +242,18 @@ def jerking(explanation: Explanation, choice: Choice) -> Sign | None:
     cubes = (steps - steps.sum() / max(len(steps), 1)) ** 3
     skewed = abs(float(np.sum(cubes))) > JERKY * float(np.sqrt(np.sum(cubes**2)))
     return Sign(JERKS, choice.fit.ground.noise.deviation, CHANCE) if skewed else None
+
+
+def holding(explanation: Explanation, choice: Choice) -> Sign | None:
+    """Samples that look like late frames, but come where little is left to go: they are held."""
+    problem, late = explanation.problem, late_by(explanation)
+    if not late.late[problem.train].any():
+        return None
+    p_value = held_by_chance(late, problem.measured, choice.fit.predicted, problem.train)
+    rows = problem.train & (late.late > 0)
+    off = (problem.measured - choice.fit.predicted)[rows]
+    size = float(np.sqrt(np.sum(off**2) / problem.train.sum()))
+    return Sign(HOLDS, size, p_value) if p_value < CHANCE else None
 
 
 def swinging(explanation: Explanation, choice: Choice) -> Sign | None:

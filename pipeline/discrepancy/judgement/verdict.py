@@ -122,7 +122,7 @@ def unrest(choice: Choice) -> tuple[int, int]:
     return walk, jitter
 
 
-def fewer(explanation: Explanation, choice: Choice) -> Choice:
+def fewer(explanation: Explanation, choice: Choice, structure: Structure) -> Choice:
     """At most one name where a structured rest shows that these terms only mop it up.
 
     Where that rest is less than a twentieth of the mismatch (RMS), all names stay that explain more
@@ -140,9 +140,12 @@ def fewer(explanation: Explanation, choice: Choice) -> Choice:
     base = next(c for c in explanation.choices if not c.fit.pieces)
     noise = explanation.prior.model.deviation**2
     before = mean_square(explanation, base) - noise
-    if not piled(choice) and rest_of(choice, explanation) ** 2 < FORM_ERROR**2 * before:
+    sure = structure.share * mismatch_variance(explanation)
+    rest = max(rest_of(choice, explanation) ** 2, sure)
+    if not piled(choice) and rest < FORM_ERROR**2 * before:
         return weightier(explanation, choice, np.inf)
-    told = plainly_told(explanation, choice, noise, asked_of(explanation, choice, noise))
+    plainly = asked_of(explanation, choice, noise)
+    told = plainly_told(explanation, choice, noise, plainly, sure)
     if told.fit.pieces and not piled(told):
         return told
     single = min(singles(explanation, choice), key=lambda c: c.score)
@@ -224,14 +227,17 @@ def asked_of(explanation: Explanation, choice: Choice, noise: float) -> float:
     return PLAINLY_OF_PILE if more else PLAINLY
 
 
-def plainly_told(explanation: Explanation, choice: Choice, noise: float, plainly: float) -> Choice:
+def plainly_told(
+    explanation: Explanation, choice: Choice, noise: float, plainly: float, sure: float = 0.0
+) -> Choice:
     """Only terms that each explain `plainly` times what they leave together.
 
     That is what is beyond the noise (its mean square), or the structure that shows in it: noise
-    that was learnt from repeats may hold it. The one that explains least goes first.
+    that was learnt from repeats may hold it; so may rows set aside what is `sure` (mean square).
+    The one that explains least goes first.
     """
     left = mean_square(explanation, choice)
-    needed = plainly * max(left - noise, rest_of(choice, explanation) ** 2)
+    needed = plainly * max(left - noise, rest_of(choice, explanation) ** 2, sure)
     without = []
     for piece in choice.fit.pieces:
         rest = choice.fit.without(piece)
@@ -241,7 +247,7 @@ def plainly_told(explanation: Explanation, choice: Choice, noise: float, plainly
     if least >= needed:
         return choice
     fewer_told = explanation.search.weighed(fit, choice.place)
-    return plainly_told(explanation, fewer_told, noise, plainly)
+    return plainly_told(explanation, fewer_told, noise, plainly, sure)
 
 
 def mean_square(explanation: Explanation, choice: Choice) -> float:
