@@ -24,7 +24,7 @@ from pipeline.physics.force_lost_way import FREE, ForceLostWay
 from pipeline.physics.force_play import ForcePlay
 from pipeline.physics.force_slack import ASIDE, ForceSlack
 from pipeline.physics.force_waves import ForceGravity, ForceRipple
-from pipeline.physics.frame_lag import OF_TIME, OLD, FrameLag
+from pipeline.physics.frame_lag import AT_DRIVE, OF_TIME, OLD, FrameLag
 from pipeline.physics.friction import Friction
 from pipeline.physics.gravity import SAGGING, Gravity
 from pipeline.physics.held import STEP_AND_WAIT_S
@@ -153,6 +153,7 @@ def terms(other_commands: Iterable[str] = ()) -> tuple[Term, ...]:
         CameraTilt(),
         LensDistortion(),
         FrameLag("time"),
+        FrameLag(AT_DRIVE),
         FrameLag("frames"),
         FrameLag("held"),
         MovedFrames(),

@@ -7,7 +7,8 @@ from pipeline.physics.held import STEP_AND_WAIT_S, uneven
 from pipeline.physics.motion import Motion
 from pipeline.physics.term import Parameter, Surroundings, Term
 
-OLD, OF_TIME = "force", ("time", "held", "moved", "blurred")
+OLD, AT_DRIVE = "force", "drive"
+OF_TIME = ("time", AT_DRIVE, "held", "moved", "blurred")
 MOST_ROWS, MOST_S = 10.0, 0.5
 QUICKEST, LONGEST = 0.02, 2.0
 MOVES = ((0.1, 1.5), (0.4, 3.0), (1.0, 5.0))
@@ -17,7 +18,9 @@ LEAST, OF_CYCLE = 2.0, 0.08
 class FrameLag(Term):
     """seen(t) = theta(t - lag), straight between samples; form "frames" counts the lag in samples.
 
-    Form "held": each pose is reached within `move` of the sample before, and held from there on,
+    Form "drive" is the pose that the drive asked for then, straight between its samples: where that
+    goes on between them and the joint has corners, what is seen does not run straight. Form "held":
+    each pose is reached within `move` of the sample before, and held from there on,
     as where a robot moves, waits and takes its frame: the wait may vary, the move does not. Form
     "force" is that of a force against motion, LEAST samples old, for less is a delay.
     Source: pure delay of a buffered camera.
@@ -34,6 +37,12 @@ class FrameLag(Term):
 
     def __init__(self, form: str = "time") -> None:
         self.form = form
+        self.before_curve = form == AT_DRIVE
+        self.place = 0.0 if self.before_curve else FrameLag.place
+
+    @property
+    def kin(self) -> str:
+        return "time" if self.form == AT_DRIVE else self.form
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
         if self.form == "frames":
@@ -41,7 +50,7 @@ class FrameLag(Term):
         dwell = max(around.dwell_s, 1e-9)
         least, most = LEAST * dwell if self.form == OLD else 0.0, longest_s(around)
         lag = Parameter("lag", "s", least, max(MOST_ROWS * dwell, most), max(dwell, least), dwell)
-        if self.form in ("time", OLD):
+        if self.form in ("time", AT_DRIVE, OLD):
             return (lag,)
         quickest, longest = QUICKEST * dwell, LONGEST * dwell
         return lag, Parameter("move", "s", quickest, longest, 0.1 * dwell, 0.0)
@@ -79,6 +88,8 @@ class FrameLag(Term):
 
     def excited(self, motion: Motion, around: Surroundings) -> bool:
         moves = around.drive_span > 0.0 and around.dwell_s > 0.0
+        if self.form == AT_DRIVE:
+            return moves and around.dwell_s < STEP_AND_WAIT_S
         return moves and (self.form in ("time", OLD) or uneven(motion.time_s))
 
 

@@ -52,6 +52,25 @@ def test_a_curve_that_comes_late_is_found_with_how_late():
     np.testing.assert_allclose(found.curve(DRIVE), curved(DRIVE), atol=0.05)
 
 
+def crept(values: np.ndarray) -> np.ndarray:
+    """A fifth of each motion comes 0.8 s late."""
+    return np.asarray(0.8 * values + 0.2 * late(values, 0.8))
+
+
+def test_a_curve_that_creeps_is_found_with_how_much_and_how_slowly():
+    found = course(crept(curved(DRIVE)))
+    assert found is not None
+    assert (found.piece.term.name, found.piece.term.form) == ("creep", "running")
+    np.testing.assert_allclose(found.piece.values, [0.2, 0.8], rtol=0.02)
+
+
+def test_what_is_missing_before_the_simulations_creep_is_put_there():
+    rippling = DRIVE + 1.2 * np.sin(2.0 * np.pi * DRIVE / 9.0)
+    found = diagnosed(real(crept(curved(DRIVE)), crept(curved(rippling))))
+    assert names(found) == {"transmission_ripple"}
+    assert found.diagnoses[0].after.heldout_rmse < 1.1 * NOISE
+
+
 def test_a_curve_behind_play_is_found_with_how_wide():
     found = course(curved(play(DRIVE, 0.5 * WIDTH, DRIVE[0])))
     assert found is not None

@@ -1,4 +1,4 @@
-"""A simulation's own course in time: a curve of a command that comes late, or goes through play."""
+"""A simulation's own course in time: a curve of a command that comes late, creeps, or has play."""
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
@@ -7,7 +7,9 @@ import numpy as np
 from numpy.polynomial import legendre
 from scipy.optimize import minimize
 
+from pipeline.physics.arriving_late import LARGEST
 from pipeline.physics.backlash import Backlash
+from pipeline.physics.creep import Creep
 from pipeline.physics.held import STEP_AND_WAIT_S
 from pipeline.physics.kinematics import SampledCurve
 from pipeline.physics.mechanism import Piece
@@ -23,6 +25,7 @@ MOST_ROWS = 20_000
 SIZES, DAMPINGS = 14, (0.4, 0.7, 1.0)
 SHORTEST, LONGEST, NARROWEST, WIDEST = 0.1, 0.05, 1e-3, 0.4
 QUICKLY, HIGHEST, MOST_DAMPED = 0.2, 6.0, 5.0
+SHARES, SLOWEST = (0.05, 0.2), 0.3
 FINELY = {"maxiter": 80, "xatol": 1e-4, "fatol": 1e-7}
 
 
@@ -30,7 +33,7 @@ FINELY = {"maxiter": 80, "xatol": 1e-4, "fatol": 1e-7}
 class Course:
     """A simulation that is a static curve of a command, and what that goes through besides.
 
-    piece: a lag behind the curve, or play before it. reproduced: (n,) all of it.
+    piece: a lag or creep behind the curve, or play before it. reproduced: (n,) all of it.
     """
 
     command: str
@@ -121,6 +124,9 @@ class Trial:
             SecondOrderLag(), paces,
             lambda x: np.array([min(x[0], most), min(x[1], MOST_DAMPED), moving]),
         )  # fmt: skip
+        slow = np.geomspace(max(dwell_s, 1e-9), SLOWEST * max(lasted_s, 1e-9), SIZES // 2)
+        parts = np.array([[share, late_s] for share in SHARES for late_s in slow])
+        yield self.best(Creep(forms[0]), parts, lambda x: np.array([min(x[0], LARGEST), x[1]]))
 
     def best(
         self, term: Term, starts: np.ndarray, told: Callable[[np.ndarray], np.ndarray]
