@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from pipeline.discrepancy.fitting.fit import evaluate
+from pipeline.discrepancy.fitting.fit import evaluate, improve
 from pipeline.discrepancy.fitting.ground import ground_of
 from pipeline.discrepancy.judgement.verdict import (
     PLAINLY,
@@ -65,6 +65,18 @@ def test_beside_a_rest_several_names_stay_that_each_explain_many_times_as_much(s
     choice = Choice(evaluate(ground, (PLAY, ripple)), (0, 0, 0), 0.0)
     told = names(plainly_told(explanation_of([choice]), choice, NOISE**2, PLAINLY))
     assert told == ({"backlash", "transmission_ripple"} if stay else set())
+
+
+@pytest.mark.parametrize(("height", "stay"), [(0.5, True), (8.0, False)])
+def test_beside_what_has_no_name_only_names_stay_that_explain_many_times_as_much(height, stay):
+    hidden = {"backlash": {"width": 4.0},
+              "friction/snapping": {"height": height, "middle": 2.0, "apart": 20.0}}  # fmt: skip
+    problem = posed(recorded(hidden))
+    ground = ground_of(problem, NoiseModel(NOISE), problem.train)
+    snap = Piece(term("friction", "snapping"), np.array([height, 2.0, 20.0, 5.0]))
+    choice = Choice(improve(evaluate(ground, (PLAY, snap))), (0, 0, 0), 0.0)
+    told = plainly_told(explanation_of([choice]), choice, NOISE**2, PLAINLY)
+    assert ("backlash" in names(told)) == stay
 
 
 @pytest.mark.parametrize(

@@ -53,8 +53,8 @@ def beyond_its_name(
     """What of the mismatch is in a form that says more than its name; None where none does.
 
     Its share of the mismatch, and how likely it is by chance (likelihood ratio), against the plain
-    form of the same name, refitted beside the rest. What a name covers beside others, but not by
-    itself, must be PART of the mismatch.
+    form of the same name, refitted beside the rest, or nothing in place of what has no name. What a
+    name covers beside others, but not by itself, must be PART of the mismatch.
     """
     fit, others = choice.fit, explanation.problem.motion.others
     tied = {p.name for p in physics if p.alternatives}
@@ -65,16 +65,19 @@ def beyond_its_name(
         lone = "" if says or len(physics) > 1 else piece.term.beyond_lone
         if not (says or lone):
             continue
-        plain = term(piece.term.name, piece.term.said_by_name, others)
-        free = len(fit.ground.box(plain).parameters)
-        pieces = (*fit.pieces[:k], Piece(plain, piece.values[:free]), *fit.pieces[k + 1 :])
+        instead: tuple[Piece, ...] = ()
+        if not piece.term.nameless:
+            plain = term(piece.term.name, piece.term.said_by_name, others)
+            free = len(fit.ground.box(plain).parameters)
+            instead = (Piece(plain, piece.values[:free]),)
+        pieces = (*fit.pieces[:k], *instead, *fit.pieces[k + 1 :])
         other = improve(evaluate(fit.ground, pieces))
         measured, used = explanation.problem.measured, explanation.used
         off = np.mean((measured - other.predicted)[used] ** 2)
         off -= np.mean((measured - fit.predicted)[used] ** 2)
         share = float(np.clip(off / mismatch_variance(explanation), 0.0, 1.0))
         gain = max(other.cost - fit.cost, 0.0)
-        p_value = float(chdtrc(len(piece.values) - free, gain))
+        p_value = float(chdtrc(fit.free - other.free, gain))
         if says or share > PART:
             return Structure(True, says or lone, share, p_value)
     return None

@@ -16,12 +16,12 @@ from pipeline.discrepancy.judgement.structure import (
 )
 from pipeline.discrepancy.noise.family import usual_charge
 from pipeline.discrepancy.search.explain import Explanation
+from pipeline.discrepancy.search.foretold import PLAINLY, PLAINLY_OF_PILE
 from pipeline.discrepancy.search.pressed import plainer
 from pipeline.discrepancy.search.weighing import Choice, names, piled, wanders
 
 ENOUGH = 0.7
 MOST_LEFT = 0.1
-PLAINLY, PLAINLY_OF_PILE = 4.0, 8.0
 UNFOLLOWED = 0.7
 FORM_ERROR = 0.05
 ODDS, BESIDE, RESTLESS, COMMONER = 10.0, 3.0, 7.0, 9.0
@@ -232,19 +232,21 @@ def plainly_told(
 ) -> Choice:
     """Only terms that each explain `plainly` times what they leave together.
 
-    That is what is beyond the noise (its mean square), or the structure that shows in it: noise
-    that was learnt from repeats may hold it; so may rows set aside what is `sure` (mean square).
-    The one that explains least goes first.
+    That is what is beyond the noise (its mean square), the structure that shows in it: noise that
+    was learnt from repeats may hold it; what is `sure` (mean square) of rows set aside; or what is
+    followed that has no name. The one that explains least goes first.
     """
     left = mean_square(explanation, choice)
-    needed = plainly * max(left - noise, rest_of(choice, explanation) ** 2, sure)
-    without = []
+    needed, without = max(left - noise, rest_of(choice, explanation) ** 2, sure), []
     for piece in choice.fit.pieces:
-        rest = choice.fit.without(piece)
-        fit = improve(evaluate(choice.fit.ground, rest))
-        without.append((mean_square(explanation, replace(choice, fit=fit)) - left, fit))
+        fit = improve(evaluate(choice.fit.ground, choice.fit.without(piece)))
+        explained = mean_square(explanation, replace(choice, fit=fit)) - left
+        if piece.term.nameless:
+            needed = max(needed, explained)
+        else:
+            without.append((explained, fit))
     least, fit = min(without, key=lambda w: w[0], default=(np.inf, choice.fit))
-    if least >= needed:
+    if least >= plainly * needed:
         return choice
     fewer_told = explanation.search.weighed(fit, choice.place)
     return plainly_told(explanation, fewer_told, noise, plainly, sure)
