@@ -94,6 +94,10 @@ ODD = (
     SingleBump(), LongRipple(), LongOffCentreRipple(), YieldingWire(), ActivatedCreep(),
     SmoothDrift(), RunningClock(), SnappingJoint(), *LOSSY_SIDES,
 )  # fmt: skip
+LAGS = (
+    ResponseLag(), ResponseLag("running"), SecondOrderLag("second"), SecondOrderLag("motor"),
+    FrameLag(AT_DRIVE),
+)  # fmt: skip
 ONE_LATE = (ResponseLag(), Creep(), SecondOrderLag("second"), SecondOrderLag("motor"))
 RECURRING = (RecurringSlip("every top"), RecurringSlip("every bottom"))
 SKIPS = tuple(

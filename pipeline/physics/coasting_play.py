@@ -15,6 +15,7 @@ PARTS = 4
 MET = 1.0 - np.exp(-1.0 / PARTS)
 SLOWEST, FASTEST = 1e-3, 1e3
 COASTS_S, SOON = 0.05, 0.1
+UNUSUAL = 12.0  # a servo comes late hundreds of times more often than its load coasts so far
 ELASTIC = "elastic"
 SOFTEST, DAMPING = 0.5, 0.2
 FREQUENCIES = SOFTEST * 2.0 ** np.arange(4)
@@ -63,6 +64,7 @@ class CoastingPlay(DrivePlay):
 
     timed = True
     far_apart = True
+    unlikely = UNUSUAL
     form = "coasting"
     grows: ClassVar = {"coasting": (ELASTIC,)}
     says = (

@@ -11,6 +11,7 @@ from pipeline.discrepancy.judgement import beyond
 from pipeline.physics.catalogue import term
 from pipeline.physics.held import slewed
 from pipeline.physics.motion import Motion
+from pipeline.physics.play_operator import play
 from pipeline.physics.slewing_motor import NO_FASTER
 from pipeline.physics.term import Surroundings, values_of
 from pipeline.recording import Recording
@@ -125,3 +126,17 @@ def test_teeth_however_soft_let_a_load_follow_within_a_few_samples(dwell_s):
     values = values_of(elastic, around, {**low, "damping": 0.7})
     behind = ramp.drive - elastic.respond(ramp.drive, ramp, values, None)[0]
     assert 0.0 < behind[-1] / 10.0 < 3.5 * dwell_s
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_a_lag_behind_play_at_one_speed_is_no_load_that_coasts(seed):
+    """A triangle's lag is as much play more, but for the turns."""
+    rows, late_s, width, fine = 2400, 0.0075, 6.4, 20
+    time_s = 0.005 * np.arange(rows)
+    drive = 30.0 * np.abs((2.0 * time_s / 3.0 + 0.5) % 2.0 - 1.0)
+    shaft = play(np.interp(np.arange(rows * fine) / fine, np.arange(rows), drive), width / 2, 0.0)
+    load = slewed(shaft, np.full(len(shaft), 0.005 / fine), late_s, np.inf, shaft[0])[::fine]
+    angle = load + 0.05 * np.random.default_rng(seed).standard_normal(rows)
+    found = diagnosed(followed(time_s, drive, angle, 1.0 / 3.0))
+    assert names(found) == {"backlash", "response_lag"}
+    assert value_of(found, "backlash", "width").value == pytest.approx(width, rel=0.05)
