@@ -12,6 +12,7 @@ from pipeline.physics.term import Parameter, Surroundings, Told
 from pipeline.physics.transmission_ripple import TransmissionRipple
 
 SHORTEST, LONGEST, PERIODS, PHASES = 0.75, 2.0, 9, 8
+ONE_BEND, BENDS = 1.3, ("camera_tilt", "compliance", "gravity", "lens_distortion")
 UNUSUAL = 8.0  # of fifty bends one: most are a joint's or a camera's
 
 
@@ -32,6 +33,9 @@ class LongRipple(TransmissionRipple):
     def plain_waves(self, around: Surroundings) -> np.ndarray:
         return long_waves(around)
 
+    def also_at(self, values: np.ndarray, around: Surroundings) -> tuple[str, ...]:
+        return bends_alike(values, around)
+
 
 class LongOffCentreRipple(OffCentreRipple):
     """As long a wave of a wheel that turns about a point off its centre (`off_centre_ripple.py`).
@@ -51,6 +55,14 @@ class LongOffCentreRipple(OffCentreRipple):
 
     def instead(self, values: np.ndarray, motion: Motion, around: Surroundings) -> Sequence[Told]:
         return ()
+
+    def also_at(self, values: np.ndarray, around: Surroundings) -> tuple[str, ...]:
+        return bends_alike(values, around)
+
+
+def bends_alike(values: np.ndarray, around: Surroundings) -> tuple[str, ...]:
+    """What bends a curve as well as a wave does of which the drive sees about one bend."""
+    return BENDS if values[1] > ONE_BEND * around.drive_span else ()
 
 
 def long(parameters: tuple[Parameter, ...], around: Surroundings) -> tuple[Parameter, ...]:

@@ -7,7 +7,9 @@ import pytest
 
 from pipeline.config import DiagnosisConfig, ToleranceConfig
 from pipeline.discrepancy.model.result import DiagnosisResult
+from pipeline.physics.catalogue import term
 from pipeline.physics.kinematics import CubicCurve
+from pipeline.physics.term import Surroundings
 from pipeline.stages.diagnosis import diagnose
 from tests.discrepancy.made import (
     AMPLITUDE,
@@ -60,3 +62,12 @@ def test_a_universal_joint_at_an_angle_is_a_ripple_that_comes_twice_a_turn():
     result = seen(ahead)
     assert names(result) == {"transmission_ripple"}
     assert value_of(result, "transmission_ripple", "period").value == pytest.approx(125.0, rel=0.03)
+
+
+@pytest.mark.parametrize("form", ["long afloat", "long eccentric afloat"])
+@pytest.mark.parametrize(("turns", "bends"), [(1.0, False), (0.55, True)])
+def test_a_wave_of_which_the_drive_sees_one_bend_may_be_any_other_bend(form, turns, bends):
+    around = Surroundings()
+    values = np.array([3.0, around.drive_span / turns, 0.5, 0.2])
+    also = term("transmission_ripple", form).also_at(values, around)
+    assert ("camera_tilt" in also) == bends
