@@ -15,6 +15,7 @@ from pipeline.discrepancy.problem.late import LateFrames
 from pipeline.discrepancy.problem.problem import Problem
 from pipeline.discrepancy.search.counted import INCREDIBLE, late_rows, repeats_of
 from pipeline.discrepancy.search.explain import Explanation
+from pipeline.discrepancy.search.weighing import Choice
 from pipeline.number_words import worded
 from pipeline.physics.catalogue import term
 from pipeline.physics.frame_lag import FrameLag
@@ -168,7 +169,8 @@ def stale_now_and_then(problem: Problem, evidence: Evidence) -> NamedPhysics | N
 
 def late_now_and_then(explanation: Explanation, evidence: Evidence) -> NamedPhysics | None:
     """Frames of an earlier pose among others that are none, with their share and how late."""
-    found, train = late_by(explanation), explanation.problem.train
+    found = late_by(explanation, explanation.choices[0])
+    train = explanation.problem.train
     if not found.late[train].any():
         return None
     by = found.since(train)
@@ -188,12 +190,10 @@ def late_now_and_then(explanation: Explanation, evidence: Evidence) -> NamedPhys
     )
 
 
-def late_by(explanation: Explanation) -> LateFrames:
-    """Which rows of the best choice show another pose than the usual ones."""
+def late_by(explanation: Explanation, choice: Choice) -> LateFrames:
+    """Which rows show another pose than the usual ones of a choice."""
     problem, prior = explanation.problem, explanation.prior
-    return late_rows(
-        problem, explanation.choices[0].fit.predicted, prior, repeats_of(problem, prior)
-    )
+    return late_rows(problem, choice.fit.predicted, prior, repeats_of(problem, prior))
 
 
 def incredible(explanation: Explanation) -> np.ndarray:
@@ -203,7 +203,7 @@ def incredible(explanation: Explanation) -> np.ndarray:
     """
     problem, fit = explanation.problem, explanation.choices[0].fit
     rows = problem.train & explanation.outliers & ~undated(fit, problem.motion.time_s)
-    rows &= ~late_by(explanation).aside
+    rows &= ~late_by(explanation, explanation.choices[0]).aside
     off = errors_of(explanation)
     rows &= ~slipping(problem, explanation.choices[0], off)
     usual = fit.ground.noise.deviation * loudness(off, fit.predicted, problem.train)

@@ -246,7 +246,7 @@ def jerking(explanation: Explanation, choice: Choice) -> Sign | None:
 
 def holding(explanation: Explanation, choice: Choice) -> Sign | None:
     """Samples that look like late frames, but come where little is left to go: they are held."""
-    problem, late = explanation.problem, late_by(explanation)
+    problem, late = explanation.problem, late_by(explanation, choice)
     if not late.late[problem.train].any():
         return None
     p_value = held_by_chance(late, problem.measured, choice.fit.predicted, problem.train)
