@@ -71,6 +71,30 @@ def test_what_is_missing_before_the_simulations_creep_is_put_there():
     assert found.diagnoses[0].after.heldout_rmse < 1.1 * NOISE
 
 
+def rubbed(drive: np.ndarray) -> np.ndarray:
+    """A wire in a sheath: sliders that give way over up to 8 deg hold it back by 1.8 deg."""
+    most = np.full(12, 0.15)
+    held, stiff, out = np.zeros(12), most / np.linspace(1.0, 8.0, 12), np.empty(len(drive))
+    for i, step in enumerate(np.diff(drive, prepend=drive[0])):
+        held = np.clip(held + stiff * step, -most, most)
+        out[i] = drive[i] - held.sum()
+    return out
+
+
+def test_a_curve_that_rubs_by_a_law_of_its_own_is_found_roughly():
+    found = course(curved(rubbed(DRIVE)))
+    assert found is not None
+    assert found.piece.term.name == "friction"
+    assert np.std(found.reproduced - curved(rubbed(DRIVE))) < 4e-3 * np.ptp(DRIVE)
+
+
+def test_what_is_missing_before_the_simulations_friction_is_put_there():
+    rippling = DRIVE + 1.2 * np.sin(2.0 * np.pi * DRIVE / 9.0)
+    found = diagnosed(real(curved(rubbed(DRIVE)), curved(rubbed(rippling))))
+    assert names(found) == {"transmission_ripple"}
+    assert found.diagnoses[0].after.heldout_rmse < 1.15 * NOISE
+
+
 def test_a_curve_behind_play_is_found_with_how_wide():
     found = course(curved(play(DRIVE, 0.5 * WIDTH, DRIVE[0])))
     assert found is not None

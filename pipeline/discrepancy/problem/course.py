@@ -1,4 +1,4 @@
-"""A simulation's own course in time: a curve of a command that comes late, creeps, or has play."""
+"""A simulation's own course: a curve of a command that comes late, creeps, rubs or has play."""
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
@@ -10,6 +10,8 @@ from scipy.optimize import minimize
 from pipeline.physics.arriving_late import LARGEST
 from pipeline.physics.backlash import Backlash
 from pipeline.physics.creep import Creep
+from pipeline.physics.driven_bank import HEAVIEST, DrivenBank
+from pipeline.physics.friction import Friction
 from pipeline.physics.held import STEP_AND_WAIT_S
 from pipeline.physics.kinematics import SampledCurve
 from pipeline.physics.mechanism import Piece
@@ -20,20 +22,21 @@ from pipeline.physics.term import Term
 from pipeline.physics.yielding_play import YieldingPlay
 
 DEGREE, KNOTS = 9, 401
-EXACT, BETTER, PLAINER, ALIKE = 2e-3, 0.1, 2.0, 2e-4
+EXACT, ROUGHLY, BETTER, PLAINER, ALIKE = 2e-3, 4e-3, 0.1, 2.0, 2e-4
 MOST_ROWS = 20_000
 SIZES, DAMPINGS = 14, (0.4, 0.7, 1.0)
 SHORTEST, LONGEST, NARROWEST, WIDEST = 0.1, 0.05, 1e-3, 0.4
 QUICKLY, HIGHEST, MOST_DAMPED = 0.2, 6.0, 5.0
 SHARES, SLOWEST = (0.05, 0.2), 0.3
-FINELY = {"maxiter": 80, "xatol": 1e-4, "fatol": 1e-7}
+REACHES, RELEASES, SPREADS = (0.6, 1.2, 2.5), (0.05, 0.8), (0.5, 1.0, 2.0)
+FINELY = {"maxiter": 160, "xatol": 1e-4, "fatol": 1e-7}
 
 
 @dataclass(frozen=True)
 class Course:
     """A simulation that is a static curve of a command, and what that goes through besides.
 
-    piece: a lag or creep behind the curve, or play before it. reproduced: (n,) all of it.
+    piece: a lag or creep behind the curve, play or friction before it. reproduced: (n,) all of it.
     """
 
     command: str
@@ -47,8 +50,9 @@ def course_of(
 ) -> Course | None:
     """The course of a simulation (n,), where one makes it of a command (n,) to EXACT of its range.
 
-    It must leave less than a tenth of what a curve alone leaves; of those that leave about as
-    little the plainest counts. The curve is a polynomial: a trial is linear least squares.
+    Friction, of which each simulation has a law of its own, ROUGHLY so. It must leave less than a
+    tenth of what a curve alone leaves; of those that leave about as little the plainest counts. The
+    curve is a polynomial: a trial is linear least squares.
     """
     known = np.flatnonzero(np.isfinite(simulated))[:MOST_ROWS]
     span = float(np.ptp(simulated[known])) if len(known) else 0.0
@@ -56,13 +60,21 @@ def course_of(
         if span == 0.0 or np.ptp(command[known]) == 0.0 or known[-1] + 1 < DEGREE * DEGREE:
             continue
         trial = Trial(command, time_s, simulated, known)
-        least = min(EXACT * span, BETTER * trial.left(None))
-        found = [(trial.left(piece), piece) for piece in trial.pieces()]
-        best = min(left for left, _ in found)
-        if best < least:
-            enough = max(PLAINER * best, ALIKE * span)
+        alone = BETTER * trial.left(None)
+        found = [
+            (left, piece)
+            for piece in trial.pieces()
+            if (left := trial.left(piece)) < min(limit_of(piece) * span, alone)
+        ]
+        if found:
+            enough = max(PLAINER * min(left for left, _ in found), ALIKE * span)
             return trial.course(name, next(p for left, p in found if left <= enough))
     return None
+
+
+def limit_of(piece: Piece) -> float:
+    """How much of a simulation's range a piece may leave to be its own."""
+    return ROUGHLY if piece.term.name == Friction.name else EXACT
 
 
 @dataclass(frozen=True)
@@ -124,6 +136,8 @@ class Trial:
             SecondOrderLag(), paces,
             lambda x: np.array([min(x[0], most), min(x[1], MOST_DAMPED), moving]),
         )  # fmt: skip
+        yield self.best(Friction("driven"), rubbing(widths, RELEASES), lambda x: within(x, 1.0))
+        yield self.best(DrivenBank(), rubbing(widths, SPREADS), lambda x: within(x, HEAVIEST))
         slow = np.geomspace(max(dwell_s, 1e-9), SLOWEST * max(lasted_s, 1e-9), SIZES // 2)
         parts = np.array([[share, late_s] for share in SHARES for late_s in slow])
         yield self.best(Creep(forms[0]), parts, lambda x: np.array([min(x[0], LARGEST), x[1]]))
@@ -149,3 +163,13 @@ class Trial:
         angle = legendre.legval(self.way(grid), weights)
         curve = SampledCurve(low, float(grid[1] - grid[0]), angle)
         return Course(name, curve, piece, self.columns(piece, slice(None)) @ weights)
+
+
+def rubbing(widths: np.ndarray, shapes: tuple[float, ...]) -> np.ndarray:
+    """Widths, reaches and shapes of friction to begin from, (k, 3), from few of some widths."""
+    return np.array([[w, share * w, s] for w in widths[::2] for share in REACHES for s in shapes])
+
+
+def within(sizes: np.ndarray, most: float) -> np.ndarray:
+    """Sizes (k,) of which the last one is no larger than can be."""
+    return np.append(sizes[:-1], min(sizes[-1], most))
