@@ -222,16 +222,6 @@ def test_a_slip_far_larger_than_the_rest_stays_and_so_does_what_is_foretold_besi
     assert foretold_part(found.choices, alone, rest).fit.names == alone.fit.names[: rest < 0.1]
 
 
-@pytest.mark.parametrize(("rest", "told"), [(0.02, 2), (0.6, 1)])
-def test_beside_a_rest_several_names_stay_that_each_foretell_many_times_as_much(rest, told):
-    """rest: the mean square of what is left [deg^2]; play explains some 4, the ripple 1."""
-    hidden = ("backlash", [6.0]), ("transmission_ripple", [2.0, 17.0, 0.5])
-    found = explain(problem_of(moved(20.0 * WAVES, *hidden, seed=1)))
-    both = {"backlash", "transmission_ripple"}
-    best = next(c for c in found.choices if set(c.fit.names) == both)
-    assert len(foretold_part(found.choices, best, rest).fit.names) == told
-
-
 def test_a_zero_that_walks_at_random_by_twice_the_noise_is_seldom_drift_or_slip():
     verdicts = []
     for seed in range(1, 9):

@@ -16,12 +16,12 @@ from pipeline.discrepancy.judgement.structure import (
 )
 from pipeline.discrepancy.noise.family import usual_charge
 from pipeline.discrepancy.search.explain import Explanation
-from pipeline.discrepancy.search.foretold import PLAINLY, PLAINLY_OF_PILE
 from pipeline.discrepancy.search.pressed import plainer
 from pipeline.discrepancy.search.weighing import Choice, names, piled, wanders
 
 ENOUGH = 0.7
 MOST_LEFT = 0.1
+PLAINLY, PLAINLY_OF_PILE = 4.0, 8.0
 UNFOLLOWED = 0.7
 FORM_ERROR = 0.05
 ODDS, BESIDE, RESTLESS, COMMONER = 10.0, 3.0, 7.0, 9.0

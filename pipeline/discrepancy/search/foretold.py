@@ -8,7 +8,7 @@ import numpy as np
 from pipeline.discrepancy.fitting.charge import complexity, independent
 from pipeline.discrepancy.fitting.fit import Fit, evaluate, improve
 from pipeline.discrepancy.fitting.ground import Ground
-from pipeline.discrepancy.search.weighing import TIE, Choice, names, piled
+from pipeline.discrepancy.search.weighing import TIE, Choice, names
 from pipeline.physics.lost_steps import LostSteps
 from pipeline.physics.mechanism import Piece
 
@@ -16,7 +16,6 @@ CUTS = (0.55, 0.75)
 AHEAD = 0.25
 NEAR, MOST = 25.0, 8
 NEEDED, ENOUGH, FAR_MORE = 0.1, 0.7, 25.0
-PLAINLY, PLAINLY_OF_PILE = 4.0, 8.0
 ONE_SLIP = 2  # parameters: its jump and its time
 FEWEST_ROWS = 20
 
@@ -85,13 +84,11 @@ def foretold_part(choices: Sequence[Choice], choice: Choice, rest: float) -> Cho
     Slips go at once: beside a rest that is not understood, a zero that jumps follows just that. But
     one that explains far more than the rest (its mean square) is a slip: it stays, and no row ahead
     is asked for it. A name stays whose absence would raise the mean square error ahead by a tenth
-    of the least so far; the rest is refitted. Of several each must take away PLAINLY times the rest
-    as well, and so much of what is ahead beyond the noise (more of a pile of names): else they mop
-    it up together. All others go where what stays takes away less than seven tenths of what is left
-    without.
+    of the least so far; the rest is refitted. All others go where what stays takes away less than
+    seven tenths of what is left without.
     """
     base = next(c for c in choices if not c.fit.pieces)
-    parts, plainly = parts_of(choice.fit.ground), PLAINLY_OF_PILE if piled(choice) else PLAINLY
+    parts = parts_of(choice.fit.ground)
     sure = sure_slips(choice, rest)
     if LostSteps.name in choice.fit.names and not sure:
         choice = _without(choice, LostSteps.name)
@@ -100,9 +97,7 @@ def foretold_part(choices: Sequence[Choice], choice: Choice, rest: float) -> Cho
         trials = [_without(choice, name) for name in others]
         errors = [error_ahead(t, parts, sure) ** 2 for t in trials]
         k = int(np.argmin(errors))
-        needed = plainly * max(rest, left - choice.fit.ground.noise.deviation**2)
-        told = len(others) == 1 or errors[k] - left > needed
-        if told and errors[k] > (1.0 + NEEDED) * left:
+        if errors[k] > (1.0 + NEEDED) * left:
             break
         choice, left = trials[k], min(left, errors[k])
     alone = replace(choice, fit=evaluate(choice.fit.ground, sure)) if sure else base
