@@ -95,6 +95,8 @@ def test_a_joint_that_snaps_has_no_name_but_a_place_and_a_size(hidden, height):
     assert names(result) == set(hidden)
     assert found.verdict == ("partly_explained" if hidden else "unknown_physics")
     assert found.unexplained.where == SnappingJoint.beyond
+    assert 0.02 < found.unexplained.share <= 1.0
+    assert found.unexplained.p_value < 1e-9
     assert found.after.heldout_rmse < 1.25 * NOISE < found.before.heldout_rmse
     way = "ahead" if height > 0 else "back"
     (said,) = (note for note in found.notes if f"The joint snaps {way} by" in note)
