@@ -23,7 +23,7 @@ class DiagnosisError(LoopgapError):
 class Driven(NamedTuple):
     """The motion, the nominal curve and the driving command's name; static: whether there is one.
 
-    course: what the simulation has beside its curve that is a lag or play, None for nothing.
+    course: what the simulation has beside its curve (a lag, play, ...), None for nothing known.
     """
 
     motion: Motion
@@ -38,8 +38,8 @@ def driven_by(
 ) -> Driven:
     """What drives a simulation (n,) of a measurement.
 
-    Where the simulation is a static curve of a command, or that with a lag or play of its own, that
-    command drives and the curve is learnt from the two. Otherwise the simulation's trace drives,
+    Where the simulation is a static curve of a command, or that with a lag, creep, friction or play
+    of its own, that command drives and the curve is learnt from the two. Otherwise the simulation's trace drives,
     and no curve follows; so it does if it is to be `traced`. Where that trace mixes several
     commands, each of them is one of the others too. Raises DiagnosisError where nothing was
     commanded.

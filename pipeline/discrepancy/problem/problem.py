@@ -54,9 +54,9 @@ class Problem:
     another stands in its place: a line in a command where it does not move, the middle of its two
     branches where it jumps with the direction (`jumping.py`). unsettled: how many measured samples
     come after a hole and don't count, see `holes.py`. own: what was taken off measured and
-    simulated, as the simulation does it beside its curve, RMS, see `own_dynamics.py`. course: a lag
-    or play that the simulation has beside its curve, see `course.py`. levels: of a sensor that
-    reads in such. read: the measurement as it was read, where what readings are off by was taken
+    simulated, as the simulation does it beside its curve, RMS, see `own_dynamics.py`. course: what
+    the simulation surely has beside its curve (a lag, play, ...), see `course.py`. levels: of a
+    sensor that reads in such. read: the measurement as it was read, where what readings are off by was taken
     off, see `levels.py`. traced: the same with the simulation's trace as drive, where it does a
     little beside its curve.
     """
