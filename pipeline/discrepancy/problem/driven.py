@@ -39,9 +39,9 @@ def driven_by(
     """What drives a simulation (n,) of a measurement.
 
     Where the simulation is a static curve of a command, or that with a lag, creep, friction or play
-    of its own, that command drives and the curve is learnt from the two. Otherwise the simulation's trace drives,
-    and no curve follows; so it does if it is to be `traced`. Where that trace mixes several
-    commands, each of them is one of the others too. Raises DiagnosisError where nothing was
+    of its own, that command drives and the curve is learnt from the two. Otherwise the simulation's
+    trace drives, and no curve follows; so it does if it is to be `traced`. Where that trace mixes
+    several commands, each of them is one of the others too. Raises DiagnosisError where nothing was
     commanded.
     """
     commands = {c.name: recording.values(c.name) for c in recording.with_role("command")}

@@ -56,9 +56,9 @@ class Problem:
     come after a hole and don't count, see `holes.py`. own: what was taken off measured and
     simulated, as the simulation does it beside its curve, RMS, see `own_dynamics.py`. course: what
     the simulation surely has beside its curve (a lag, play, ...), see `course.py`. levels: of a
-    sensor that reads in such. read: the measurement as it was read, where what readings are off by was taken
-    off, see `levels.py`. traced: the same with the simulation's trace as drive, where it does a
-    little beside its curve.
+    sensor that reads in such. read: the measurement as it was read, where what readings are off by
+    was taken off, see `levels.py`. traced: the same with the simulation's trace as drive, where it
+    does a little beside its curve.
     """
 
     motion: Motion
