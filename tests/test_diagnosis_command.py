@@ -166,8 +166,12 @@ def test_prediction_without_a_model_says_what_it_needs(tmp_path, monkeypatch, ca
 
 @pytest.mark.parametrize(
     ("own", "needed"),
-    [("[backlash: {width: 3}]", False), ("[friction: {width: 3, reach: 4}]", True)],
-    ids=["play of its own", "friction of its own"],
+    [
+        ("[backlash: {width: 3}]", False),
+        ("[friction: {width: 3, reach: 4}]", False),
+        ("[lost_steps: {jump: 3, time: 900}]", True),
+    ],
+    ids=["play of its own", "friction of its own", "a slip of its own"],
 )
 def test_a_model_of_a_moving_simulation_is_asked_with_that_unless_it_was_taken_apart(
     tmp_path, monkeypatch, capsys, own, needed

@@ -8,14 +8,12 @@ from pipeline.physics.backlash import Backlash
 from pipeline.physics.catalogue import FLANKS
 from pipeline.physics.mechanism import Piece
 
-SEEN = 0.7
-
 
 def flanked(search: Search, choice: Choice) -> Choice:
     """The choice with play whose flanks give in place of play and a small lag, if that is better.
 
     Sharp play and a lag of the whole come near it, and hardly any data tell which it is. What comes
-    late by more than SEEN of the noise (RMS) beside play of rigid flanks is told as a lag.
+    late by more than the noise (RMS) beside play of rigid flanks is told as a lag.
     """
     found, fit = choice, choice.fit
     problem = fit.ground.problem
@@ -33,7 +31,7 @@ def flanked(search: Search, choice: Choice) -> Choice:
 
 
 def small(fit: Fit, play: Piece, lag: Piece) -> bool:
-    """Whether a lag explains less than SEEN of the noise, play rigid and the others refitted."""
+    """Whether a lag explains less than the noise (RMS), play rigid and the others refitted."""
     rigid = Piece(Backlash(), play.values[:1])
     without = improve(evaluate(fit.ground, [*fit.without(play, lag), rigid]))
-    return without.mean_square - fit.mean_square < (SEEN * fit.ground.noise.deviation) ** 2
+    return without.mean_square - fit.mean_square < fit.ground.noise.deviation**2
