@@ -77,6 +77,14 @@ def test_it_is_named_as_a_drift_with_its_size(hidden, seed):
     assert told.noise == pytest.approx(NOISE, rel=0.1)
 
 
+def test_beside_it_no_frame_is_taken_for_mistaken():
+    """It is farther from zero than the noise is, in a few rows very far."""
+    recording = recorded({}, cycles=CYCLES, seed=4)
+    moved = recording.values(ANGLE) + 30.0 * NOISE * wander(4, 0.3)
+    (told,) = diagnosed(changed(recording, **{ANGLE: moved})).diagnoses
+    assert {p.name for p in told.physics} == {"drift"}
+
+
 @pytest.mark.parametrize("carrier", ["gain", "one side", "beyond an end", "play"])
 @pytest.mark.parametrize("size", [4.0, 8.0])
 def test_what_wanders_with_the_commands_is_no_drift(carrier, size):

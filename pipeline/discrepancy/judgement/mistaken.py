@@ -193,7 +193,8 @@ def late_now_and_then(explanation: Explanation, evidence: Evidence) -> NamedPhys
 def late_by(explanation: Explanation, choice: Choice) -> LateFrames:
     """Which rows show another pose than the usual ones of a choice."""
     problem, prior = explanation.problem, explanation.prior
-    return late_rows(problem, choice.fit.predicted, prior, repeats_of(problem, prior))
+    predicted = choice.fit.predicted + explanation.zero
+    return late_rows(problem, predicted, prior, repeats_of(problem, prior))
 
 
 def incredible(explanation: Explanation) -> np.ndarray:
@@ -213,7 +214,7 @@ def incredible(explanation: Explanation) -> np.ndarray:
 def errors_of(explanation: Explanation) -> np.ndarray:
     """What the best choice leaves of each row, (n,), about each cycle's zero where that jitters."""
     problem, fit = explanation.problem, explanation.choices[0].fit
-    off = problem.measured - fit.predicted
+    off = problem.measured - fit.predicted - explanation.zero
     if fit.ground.noise.jitter == 0.0:
         return off
     return about_each_zero(off, problem.cycle, explanation.used & np.isfinite(off))

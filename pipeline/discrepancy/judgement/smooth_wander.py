@@ -63,6 +63,15 @@ class Beside:
         variance = float(np.var(self.left[self.fit.ground.used]))
         return float(np.sqrt(max(variance - self.zero.deviation**2, 0.0)))
 
+    @property
+    def course(self) -> np.ndarray:
+        """Where the zero is in each row (n,), as the rows before foretell it."""
+        used, measured = self.fit.ground.used, self.fit.ground.problem.measured
+        e, _ = self.zero.innovations(self.left[:, None], np.ones(len(used)), used)
+        rows = np.flatnonzero(used)
+        foretold = (measured - self.fit.predicted)[rows] - self.noise.deviation * e[:, 0]
+        return np.interp(np.arange(len(used)), rows, foretold)
+
 
 def wandering(explanation: Explanation, best: Choice) -> tuple[Explanation, Beside] | None:
     """The explanation beside a zero that wanders smoothly, if that is what the best choice leaves.
@@ -85,7 +94,7 @@ def wandering(explanation: Explanation, best: Choice) -> tuple[Explanation, Besi
         return None
     if follows_commands(explanation, told) or not is_zero(told):
         return None
-    return replace(explanation, choices=choices), told
+    return replace(explanation, choices=choices, zero=told.course), told
 
 
 def smoother_than_a_walk(choice: Choice) -> bool:

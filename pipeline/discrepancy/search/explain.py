@@ -60,7 +60,10 @@ MANY = 0.01
 
 @dataclass(frozen=True)
 class Explanation:
-    """choices: the best first. outliers: (n,) mask over the problem's rows. used: rows fitted."""
+    """choices: the best first. outliers: (n,) mask over the problem's rows. used: rows fitted.
+
+    zero: (n,) where the zero wanders beside what the choices predict, 0 where it does not.
+    """
 
     problem: Problem
     prior: NoisePrior
@@ -68,6 +71,7 @@ class Explanation:
     choices: list[Choice]
     outliers: np.ndarray
     used: np.ndarray
+    zero: np.ndarray | float = 0.0
 
 
 def explain(problem: Problem) -> Explanation:
