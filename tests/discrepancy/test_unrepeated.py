@@ -202,6 +202,24 @@ def test_a_rest_that_is_small_is_the_form_of_what_was_named(monkeypatch, shows, 
     assert decided.choice.fit.names == ("backlash",)
 
 
+def test_of_a_pile_of_names_beside_a_rest_at_most_the_one_that_is_most_of_it_stays(monkeypatch):
+    """As many names as a search takes follow the shape of anything, in later rows, too."""
+    found = explain(problem_of(moved(20.0 * WAVES, ("backlash", [6.0]), seed=1)))
+    best = next(c for c in found.choices if c.fit.names == ("backlash",))
+    others = {
+        "gravity": [2.0, 0.3],
+        "transmission_ripple": [0.6, 9.0, 0.2],
+        "camera_tilt": [8.0, 0.1],
+    }
+    pieces = [*best.fit.pieces, *(Piece(term(n), np.array(v)) for n, v in others.items())]
+    pile = replace(best, fit=evaluate(best.fit.ground, pieces))
+    monkeypatch.setattr(decision, "foretold_part", lambda *_: pile)
+    rest = Structure(True, "elsewhere", 0.1, 1e-9)
+    kept, structure = decision.without_repeats(found.problem, found, pile, rest, True)
+    assert kept.fit.names == ("backlash",)
+    assert structure == rest
+
+
 def test_held_out_rows_refute_however_small_a_rest_is(monkeypatch):
     found = explain(problem_of(moved(20.0 * WAVES, ("backlash", [6.0]), seed=1)))
     refuted = Structure(True, "on held-out samples", 1e-4, 1e-9)

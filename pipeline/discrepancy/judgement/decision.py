@@ -26,6 +26,7 @@ from pipeline.discrepancy.judgement.structure import (
 from pipeline.discrepancy.judgement.verdict import (
     fewer,
     follows,
+    one_at_most,
     sure_of_slow,
     told_but_for_its_form,
     unless_nothing,
@@ -40,7 +41,7 @@ from pipeline.discrepancy.search.accuracy import (
 from pipeline.discrepancy.search.disguise import undisguised
 from pipeline.discrepancy.search.explain import Explanation
 from pipeline.discrepancy.search.foretold import foretold_part, testable
-from pipeline.discrepancy.search.weighing import Choice, names
+from pipeline.discrepancy.search.weighing import Choice, names, piled
 from pipeline.physics.drift import Drift
 
 SMOOTHLY = "slow changes, smoother than noise, which are no wander of the zero"
@@ -176,7 +177,8 @@ def without_repeats(
     """What stays where nothing says what noise is: beside a rest only what foretells later rows.
 
     A small rest is the form of the names before any of them goes; held-out rows that refute the
-    names as they are do so whatever is left.
+    names as they are do so whatever is left. As many names as a search takes that leave a rest
+    foretell later rows, too: they follow the shape of something else.
     """
     if structure.found and sound:
         structure = told_but_for_its_form(explanation, best, structure)
@@ -186,7 +188,8 @@ def without_repeats(
             structure = told_but_for_its_form(explanation, best, structure)
     rest = structure.share * mismatch_variance(explanation)
     kept = foretold_part(explanation.choices, best, rest) if structure.found else best
-    return kept, structure
+    mops_up = structure.found and piled(kept)
+    return one_at_most(explanation, kept) if mops_up else kept, structure
 
 
 def predicted_by(problem: Problem, choice: Choice) -> np.ndarray:

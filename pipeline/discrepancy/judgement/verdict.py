@@ -128,9 +128,7 @@ def fewer(explanation: Explanation, choice: Choice, structure: Structure) -> Cho
     Where that rest is less than a twentieth of the mismatch (RMS), all names stay that explain more
     than they leave together: then it is the form of a term, but not of as many as a search takes.
     So do those that each explain four times what they leave together, or, of as many names as a
-    search takes that leave more than the noise, eight times. Else the best single term
-    stays if it alone explains most of the mismatch, and nine tenths of its structure, which the
-    noise that was learnt from repeats may hide; otherwise none does.
+    search takes that leave more than the noise, eight times.
     """
     if not choice.fit.pieces:
         return choice
@@ -146,8 +144,18 @@ def fewer(explanation: Explanation, choice: Choice, structure: Structure) -> Cho
         return weightier(explanation, choice, np.inf)
     plainly = asked_of(explanation, choice, noise)
     told = plainly_told(explanation, choice, noise, plainly, sure)
-    if told.fit.pieces and not piled(told):
-        return told
+    return told if told.fit.pieces and not piled(told) else one_at_most(explanation, choice)
+
+
+def one_at_most(explanation: Explanation, choice: Choice) -> Choice:
+    """The best name of a choice that only mops up, if it alone explains enough; else none.
+
+    That is most of the mismatch, and nine tenths of its structure, which the noise that was learnt
+    from repeats may hide.
+    """
+    base = next(c for c in explanation.choices if not c.fit.pieces)
+    noise = explanation.prior.model.deviation**2
+    before = mean_square(explanation, base) - noise
     single = min(singles(explanation, choice), key=lambda c: c.score)
     left = mean_square(explanation, single) - noise
     enough = left < (1.0 - ENOUGH) * before
