@@ -1,18 +1,23 @@
 # make run    set up and run the main job       make test   set up and run the tests
-# make check  ruff, type checker and tests      make clean  remove what was set up
+# make check  ruff, type checker and tests      make test-long  the long tests, which are none of these
+# make clean  remove what was set up
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
+PYTEST := $(BIN)/python -m pytest -n 2 --dist loadfile
 export PIP_CONSTRAINT := $(CURDIR)/constraints.txt
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 export NUMBA_CACHE_DIR ?= $(CURDIR)/$(VENV)/numba
 
-.PHONY: run test check clean setup
+.PHONY: run test test-long check clean setup
 run: setup
 	$(BIN)/loopgap $(ARGS)
 
 test: setup
-	$(BIN)/python -m pytest -n 2 --dist loadfile $(ARGS)
+	$(PYTEST) -m "not long" $(ARGS)
+
+test-long: setup
+	$(PYTEST) -m long $(ARGS)
 
 check: setup
 	$(BIN)/ruff check .

@@ -173,6 +173,7 @@ def test_prediction_without_a_model_says_what_it_needs(tmp_path, monkeypatch, ca
     ],
     ids=["play of its own", "friction of its own", "a slip of its own"],
 )
+@pytest.mark.long
 def test_a_model_of_a_moving_simulation_is_asked_with_that_unless_it_was_taken_apart(
     tmp_path, monkeypatch, capsys, own, needed
 ):

@@ -30,6 +30,7 @@ def test_every_experiment_has_a_test():
     assert {name for name in names if f"experiment={name}" not in text} == set()
 
 
+@pytest.mark.long
 def test_the_gap_is_closed_on_the_emulated_robot(tmp_path, monkeypatch):
     arguments = ["experiment=close_the_gap", *SMALL_IMAGES, "compensation.targets=24",
                  f"hydra.run.dir={tmp_path}"]  # fmt: skip
@@ -49,6 +50,7 @@ def test_the_gap_is_closed_on_the_emulated_robot(tmp_path, monkeypatch):
     assert seen["compensated RMSE [deg]"] < 0.6 * seen["nominal RMSE [deg]"]
 
 
+@pytest.mark.long
 def test_concealed_effects_are_found_and_the_seals_hold(tmp_path, monkeypatch):
     counts = "{none:2,walk:0,one:4,two:0,three:0,outside:0,small:0}"
     arguments = ["experiment=concealed", f"concealed.counts={counts}", f"hydra.run.dir={tmp_path}"]
@@ -92,6 +94,7 @@ def kept_results(tmp_path_factory) -> str:
           "crossed.step_rules=[newton,armijo]"], 2, 12),
     ],
 )  # fmt: skip
+@pytest.mark.long
 def test_a_study_leaves_its_table(study, jobs, cells, kept_results, tmp_path, monkeypatch):
     table = tmp_path / "tables" / study[0].removeprefix("experiment=")
     monkeypatch.setenv("LOOPGAP_CACHE", kept_results)
@@ -121,6 +124,7 @@ def test_the_command_that_is_told_repeats_just_what_is_missing(kept_results, tmp
     assert {name: (tmp_path / name).read_bytes() for name in files} == whole
 
 
+@pytest.mark.long
 def test_the_friction_of_a_real_drive_is_named(tmp_path, monkeypatch):
     real = ROOT.parent / "shared" / "recordings" / "emps"
     if not real.is_dir():
@@ -150,6 +154,7 @@ def test_the_friction_of_a_real_drive_is_named(tmp_path, monkeypatch):
     assert entry["calibration"]["delay_s"] == pytest.approx(found.loc["delay", "found"])
 
 
+@pytest.mark.long
 def test_the_i2ris_robot_is_foretold_with_the_motors_that_drive_it(
     published_recordings, tmp_path, monkeypatch
 ):
@@ -199,6 +204,7 @@ def test_the_dvrk_wrist_is_compared_with_its_baselines(wrist):
     )
 
 
+@pytest.mark.long
 def test_the_joints_of_the_dvrk_wrist_are_named(wrist):
     """On the first 800 of 5531 samples: all of them take minutes."""
     whole = load_recording(wrist / "recording")

@@ -32,6 +32,7 @@ def kills() -> ModuleType:
     return module
 
 
+@pytest.mark.long
 def test_a_killed_sweep_ends_as_an_undisturbed_one(kills: ModuleType, tmp_path: Path) -> None:
     shutil.copytree(ROOT / "data" / "paper_twin", tmp_path / "earlier" / "vision")
     asked = (*SMALL, f"earlier={tmp_path / 'earlier'}")

@@ -23,6 +23,7 @@ def flown(time_s: np.ndarray, held: np.ndarray) -> np.ndarray:
 
 
 @pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.long
 def test_creep_that_stress_helps_is_creep_and_no_friction(seed):
     drive = strokes(np.array([50.0, -50.0, 0.0] * 9), 50)
     waits = np.tile(np.repeat([2.0, 9.0, 4.0], 150), 3)

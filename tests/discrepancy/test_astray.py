@@ -52,6 +52,7 @@ def begun(found: Explanation, told: Told, place=(0, 0, 0)) -> Choice:
         ),
     ],
 )
+@pytest.mark.long
 def test_two_that_come_late_are_one_that_acts_where_loads_bear_on_it(seed, hidden, told, names):
     found = explained(recorded(hidden, seed=seed, noise=0.15))
     two = begun(found, told)

@@ -89,6 +89,7 @@ def test_creep_about_as_the_logarithm_of_time_before_a_bent_curve(seed: int):
 
 
 @pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.long
 def test_a_motor_that_is_late_before_wires_that_hang_slack(seed: int):
     drive = turning(seed)
     asked = late(drive, 2.0)

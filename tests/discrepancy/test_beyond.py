@@ -56,6 +56,7 @@ def period_of(where: str) -> float:
 
 
 @pytest.mark.parametrize("shape", SHAPES)
+@pytest.mark.long
 def test_play_that_differs_from_place_to_place_is_play_and_more_than_that(shape):
     command = recorded({}).values("pitch_command_deg")
     result = diagnosed(moved(varying_play(command, 0.5 * SHAPES[shape](command), command[0])))
@@ -87,6 +88,7 @@ def relay(signal: np.ndarray, lower: float, upper: float) -> np.ndarray:
 
 @pytest.mark.parametrize("height", [1.2, -2.5])
 @pytest.mark.parametrize("hidden", [{}, {"creep": {}}], ids=["alone", "beside creep"])
+@pytest.mark.long
 def test_a_joint_that_snaps_has_no_name_but_a_place_and_a_size(hidden, height):
     recording = recorded(hidden, seed=2)
     snaps = 0.5 * height * relay(recording.values(SIMULATED), -12.0, 9.0)
@@ -104,6 +106,7 @@ def test_a_joint_that_snaps_has_no_name_but_a_place_and_a_size(hidden, height):
 
 
 @pytest.mark.parametrize(("height", "piled"), [(-2.5, False), (3.5, False), (0.0, True)])
+@pytest.mark.long
 def test_where_repeats_say_much_against_the_first_choice_no_names_are_piled_up(
     monkeypatch, height, piled
 ):
@@ -143,6 +146,7 @@ def test_a_snap_is_the_relay_with_what_it_needs_to_go_over():
 
 
 @pytest.mark.parametrize("hidden", [{}, {"backlash": {"width": 4.0}}])
+@pytest.mark.long
 def test_a_joint_that_sticks_and_slips_is_not_noisy(hidden):
     recording = recorded(hidden, seed=3)
     command, rng = recording.values("pitch_command_deg"), np.random.default_rng(4)
@@ -189,6 +193,7 @@ def test_a_hum_between_uneven_samples_is_none_of_their_noise(seed):
 
 
 @pytest.mark.parametrize(("height", "middle"), [(1.2, 21.0), (-0.9, -30.0)])
+@pytest.mark.long
 def test_a_bump_at_one_place_is_told_and_no_pile_of_bends(height, middle):
     command = recorded({}).values("pitch_command_deg")
     bump = height / np.cosh((command - middle) / 3.0) ** 2
@@ -263,6 +268,7 @@ def test_noise_does_not_hum_along_any_way(seed):
 
 
 @pytest.mark.parametrize("rate", [0.006, -0.003])
+@pytest.mark.long
 def test_two_clocks_that_run_at_different_rates_are_one_name_and_more_than_that(rate):
     """Before, a loop that seems to grow was told as tension that is lost."""
     time_s = 0.02 * np.arange(700)

@@ -72,6 +72,7 @@ def test_a_top_speed_that_is_hardly_ever_reached_is_part_of_the_lag(monkeypatch)
     assert diagnosed(seen(*capped())).diagnoses[0].verdict == "explained"
 
 
+@pytest.mark.long
 def test_beside_other_names_a_servo_s_top_speed_is_part_of_how_late_it_is():
     recording, at = capped()
     found = diagnosed(seen(recording, at + 0.3 * np.sin(2.0 * np.pi * at / 7.0)))
@@ -129,6 +130,7 @@ def test_teeth_however_soft_let_a_load_follow_within_a_few_samples(dwell_s):
 
 
 @pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.long
 def test_a_lag_behind_play_at_one_speed_is_no_load_that_coasts(seed):
     """A triangle's lag is as much play more, but for the turns."""
     rows, late_s, width, fine = 2400, 0.0075, 6.4, 20

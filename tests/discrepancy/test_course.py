@@ -113,6 +113,7 @@ def test_a_curve_behind_play_is_found_with_how_wide():
     ],
     ids=["static", "two commands", "noisy", "empty", "still"],
 )
+@pytest.mark.long
 def test_there_is_none_of_another(simulated):
     assert course(simulated) is None
 
@@ -157,6 +158,7 @@ def stopped():
     return recording, diagnosed(recording)
 
 
+@pytest.mark.long
 def test_a_lag_of_the_sensor_comes_behind_what_is_missing_at_the_joint(stopped):
     _, found = stopped
     assert names(found) <= {"end_stop", "contact"}

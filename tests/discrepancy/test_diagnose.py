@@ -47,6 +47,7 @@ def test_nothing_hidden_is_no_mismatch(seed):
     ],
     ids=lambda x: next(iter(x)) if isinstance(x, dict) else "",
 )
+@pytest.mark.long
 def test_one_hidden_term_is_named_with_its_parameter(hidden, parameter, truth):
     result = diagnosed(recorded(hidden, seed=6))
     name = next(iter(hidden)).partition("/")[0]
@@ -91,6 +92,7 @@ def test_a_ripple_of_three_harmonics_leaves_no_rest():
 
 
 @pytest.mark.parametrize("sizes", [(2.0, 1.2), (0.9, 2.0)])
+@pytest.mark.long
 def test_two_waves_of_periods_of_their_own_are_one_ripple_beside_play(sizes):
     waves = {"amplitude": sizes[0], "period": 37.0, "phase": 1.5,
              "other_amplitude": sizes[1], "other_period": 11.4, "other_phase": 4.0}  # fmt: skip
@@ -143,6 +145,7 @@ def test_teeth_that_seat_and_snap_over_leave_no_rest():
 
 
 @pytest.mark.parametrize("seed", [5, 17])
+@pytest.mark.long
 def test_one_edge_each_way_is_no_ripple_nor_a_pile_of_names(seed):
     def snapped(command):
         out, side = np.empty(len(command)), -1.0

@@ -45,6 +45,7 @@ def touched(angle: np.ndarray) -> np.ndarray:
 
 @pytest.mark.parametrize(("law", "width"), [(stops, 12.0), (dahl, 10.0)])
 @pytest.mark.parametrize("contact", [False, True], ids=["alone", "contact"])
+@pytest.mark.long
 def test_it_is_friction_and_nothing_else(
     law: Callable[[np.ndarray], np.ndarray], width: float, contact: bool
 ) -> None:

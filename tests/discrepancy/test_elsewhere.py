@@ -60,6 +60,7 @@ def test_all_that_can_is_moved_to_its_other_place(ground):
         ("lost_steps/once behind ripple", "jump", {"jump": 3.0, "time": 1100.0}),
     ],
 )
+@pytest.mark.long
 def test_the_order_on_the_shaft_is_found(key, size, parameters):
     ripple = {"transmission_ripple/first": RIPPLE}
     best = explained(recorded(ripple | {key: parameters}, noise=0.15)).choices[0]

@@ -75,6 +75,7 @@ def test_a_weight_that_hangs_level_and_bends_its_joint_at_home_is_gravity():
     assert best.score < other.score - 15.0
 
 
+@pytest.mark.long
 def test_a_pile_of_names_is_searched_again_without_shortcuts(monkeypatch):
     hidden = {"backlash": {"width": 3.0}, "creep": {"share": 0.1, "time_constant": 40.0}}
     found = explained(recorded(hidden, seed=2))
@@ -134,6 +135,7 @@ def test_a_search_without_shortcuts_is_not_begun_from_what_is_hopeless(lost, mon
     assert searched_wide(search, [empty], [empty]) == [empty]
 
 
+@pytest.mark.long
 def test_a_rival_that_lacks_a_name_is_looked_for_from_the_beginning():
     hidden = {"backlash": {"width": 3.0}, "creep": {"share": 0.1, "time_constant": 40.0}}
     recording = recorded(hidden, seed=2)
@@ -339,6 +341,7 @@ def test_two_names_in_the_place_of_one_are_weighed_in_plainer_forms_too():
     assert min(c.score for c in again) < true.score + 3.0
 
 
+@pytest.mark.long
 def test_a_near_rival_is_weighed_beside_the_bend_that_suits_it():
     stop = {"angle": -27.0, "softness": 0.3, "give": 0.02}
     hidden = {"compliance": {}, "end_stop/lower": stop, "backlash": {"width": 3.0}}

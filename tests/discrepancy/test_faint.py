@@ -53,6 +53,7 @@ def test_a_faint_name_that_is_one_of_two_stands_by_what_it_earns(amplitude: floa
 
 
 @pytest.mark.parametrize(("amplitude", "stays"), [(0.06, False), (0.1, True)])
+@pytest.mark.long
 def test_many_samples_that_make_a_faint_name_sure_make_it_no_physics(amplitude: float, stays: bool):
     values = {"amplitude": amplitude, "period": 30.0, "phase": 1.0}
     found = beside(RIPPLE, values, {"backlash": {"width": 3.0}}, cycles=24)

@@ -38,6 +38,7 @@ def fitted(order, measured=PLAYED, drive=DRIVE):
 
 
 @pytest.mark.parametrize("order", [1, 3])
+@pytest.mark.long
 def test_play_half_as_wide_as_the_range_is_named_alone_behind_a_fit(order) -> None:
     (found,) = diagnose(
         DiagnosisConfig(), recording(DRIVE, PLAYED, fitted(order), ("deg", "deg"))
@@ -74,6 +75,7 @@ def test_only_what_was_fitted_is_loose() -> None:
     assert tolerance_of_fit(declared, PLAYED, early, DRIVE, first).gain > 1.0
 
 
+@pytest.mark.long
 def test_friction_that_turns_round_gradually_takes_the_place_of_rigid_friction() -> None:
     x = 0.04 * np.sin(PHASE) * (0.6 + 0.4 * np.cos(PHASE / 3.0))
     rigid = 250.0 * np.sign(np.gradient(x))

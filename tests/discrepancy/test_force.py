@@ -69,6 +69,7 @@ def parameters(diagnosis):
     return {f"{p.name}.{e.name}": e for p in diagnosis.physics for e in p.parameters}
 
 
+@pytest.mark.long
 def test_noise_is_no_more_than_the_terms_leave():
     t, x, rng = motion(3)
     force = dahl(t, x, 50.0, 2e-3) + 400.0 * x + rng.normal(0.0, 0.1, len(t))
@@ -127,6 +128,7 @@ def test_a_damper_behind_a_spring_is_no_dry_friction():
 
 
 @pytest.mark.parametrize(("dry", "mass"), [(0.0, 3.0), (20.0, 0.0)])
+@pytest.mark.long
 def test_a_damper_that_is_simulated_as_rigid_comes_late(dry, mass):
     t, x, rng = motion(5)
     spline = CubicSpline(t, x)
@@ -146,6 +148,7 @@ def test_a_damper_that_is_simulated_as_rigid_comes_late(dry, mass):
     assert diagnosis.after.heldout_rmse < 0.4
 
 
+@pytest.mark.long
 def test_a_damper_behind_a_spring_is_found_beside_a_contact_that_learns_late_of_its_speed():
     t, x, rng = motion(7)
     force = lugre(x, 10.0, 0.3, 0.005, 3e-4) + relaxed(x, 1000.0, 0.1)
@@ -182,6 +185,7 @@ def lugre(x, force, more, speed, reach):
     return out
 
 
+@pytest.mark.long
 def test_a_contact_that_learns_late_of_its_speed_is_named_whole_and_no_mass_beside_it():
     t, x, rng = motion(5)
     fine = CubicSpline(t, x)
@@ -200,6 +204,7 @@ def test_a_contact_that_learns_late_of_its_speed_is_named_whole_and_no_mass_besi
 
 
 @pytest.mark.parametrize("asymmetry", [0.0, 0.5])
+@pytest.mark.long
 def test_both_directions_are_told_where_the_zero_is_trusted(asymmetry):
     t, x, rng = motion(2)
     v = np.gradient(x, t)
@@ -233,6 +238,7 @@ def test_too_much_friction_in_a_simulation_is_said_as_such():
     assert "The simulation has that much too much of it." in found.says
 
 
+@pytest.mark.long
 def test_errors_of_a_force_count_the_rows_at_its_reversals():
     t, x, rng = motion(6)
     hard = 30.0 * np.tanh(np.gradient(x, t) / 5e-4) + rng.normal(0.0, 0.05, len(t))
@@ -261,6 +267,7 @@ def test_a_force_that_stands_with_its_motion_has_no_delay(damper):
 
 
 @pytest.mark.parametrize("samples", [0.5, -0.5])
+@pytest.mark.long
 def test_a_force_recorded_beside_its_motion_is_moved_there(samples):
     """The damper again, its force recorded half a sample after or before its motion."""
     t, x, rng = motion()
@@ -321,6 +328,7 @@ def test_a_rounded_loop_of_another_form_is_dry_friction_and_the_rest_is_said():
     assert diagnosis.after.heldout_rmse < 0.08 * diagnosis.before.heldout_rmse
 
 
+@pytest.mark.long
 def test_a_spring_that_hardens_is_named_beside_one_that_is_simulated():
     t, x, rng = motion()
     force = 8e3 * x * (1.0 + (x / 0.012) ** 2) + dahl(t, x, 30.0, 2e-3)

@@ -74,6 +74,7 @@ def test_sliders_whose_reaches_lie_evenly_are_one_friction():
 
 
 @pytest.mark.parametrize(("reach", "others"), [(2e-3, ("friction",)), (1e-4, ())])
+@pytest.mark.long
 def test_dry_friction_that_is_seen_to_turn_gradually_has_the_name_of_a_displacements_too(
     reach: float, others: tuple[str, ...]
 ):
@@ -98,6 +99,7 @@ def test_magnets_may_come_again_less_than_three_times():
     assert_told(diagnosed(x, force, rng), {"transmission_ripple", "viscous_friction"}, sizes)
 
 
+@pytest.mark.long
 def test_one_spring_that_differs_for_its_sides_is_no_two_buffers():
     t, x, rng = motion(15)
     force = 1500.0 * np.maximum(x, 0.0) + 4000.0 * np.minimum(x, 0.0) + dahl(t, x, 6.0, 4e-4)
@@ -106,6 +108,7 @@ def test_one_spring_that_differs_for_its_sides_is_no_two_buffers():
 
 
 @pytest.mark.parametrize("way", [1.0, -1.0])
+@pytest.mark.long
 def test_a_gas_that_is_pressed_harder_and_harder_is_no_buffer(way: float):
     """Boyle's law with the exponent of quick changes in air: another one than the term has."""
     t, x, rng = motion(15)
@@ -134,6 +137,7 @@ def test_a_force_whose_zero_warms_up_is_foretold():
     assert_told(found, {"stiffness", "drift"}, {"stiffness.stiffness": 800.0})
 
 
+@pytest.mark.long
 def test_a_buffer_is_met_at_its_position():
     t, x, rng = motion(12)
     force = 800.0 * x + 9000.0 * np.maximum(x - 0.012, 0.0) + dahl(t, x, 6.0, 4e-4)
@@ -142,6 +146,7 @@ def test_a_buffer_is_met_at_its_position():
     assert_told(found, {"stiffness", "contact", "coulomb_friction"}, sizes)
 
 
+@pytest.mark.long
 def test_magnets_pull_again_and_again_and_a_weight_once_a_turn():
     t, x, rng = motion(13)
     angle = 150.0 * x
@@ -152,6 +157,7 @@ def test_magnets_pull_again_and_again_and_a_weight_once_a_turn():
     assert_told(found, names, sizes)
 
 
+@pytest.mark.long
 def test_a_filter_of_the_force_is_no_spring_behind_a_damper():
     t, x, rng = motion(14)
     force = dahl(t, x, 30.0, 4e-4) + 80.0 * np.gradient(x, t)
@@ -163,6 +169,7 @@ def test_a_filter_of_the_force_is_no_spring_behind_a_damper():
     assert_told(found, {"viscous_friction", "coulomb_friction", "response_lag"}, sizes)
 
 
+@pytest.mark.long
 def test_what_wanders_slowly_hides_no_friction():
     t, x, rng = motion(15)
     force = dahl(t, x, 10.0, 4e-4) + 40.0 * np.gradient(x, t) + 5.0 * np.sin(0.35 * t)
@@ -171,6 +178,7 @@ def test_what_wanders_slowly_hides_no_friction():
     assert_told(found, {"viscous_friction", "coulomb_friction", "drift"}, sizes)
 
 
+@pytest.mark.long
 def test_friction_that_gives_before_it_slides_is_one_name():
     """A magnetorheological damper: a spring before a slider that resists by its speed."""
     t, x, rng = motion(31)
@@ -222,6 +230,7 @@ def test_friction_that_lets_go_by_its_own_exponent_is_one_name():
     assert parameters(found)["coulomb_friction.curve"].value == pytest.approx(0.5, rel=0.1)
 
 
+@pytest.mark.long
 def test_what_a_force_leaves_again_and_again_is_no_noise():
     """A law of no term's form: tanh of the speed and of the side of zero together."""
     _, x, rng = motion(34)
@@ -245,6 +254,7 @@ def beside_a_simulated_damper(damping, seed):
     return diagnose(DiagnosisConfig(), Recording(table, channels, "simulated")).diagnoses[0]
 
 
+@pytest.mark.long
 def test_a_damper_that_the_simulation_has_too_much_of_is_no_gain():
     found = beside_a_simulated_damper(40.0, 35)
     assert {p.name for p in found.physics} == {"coulomb_friction", "stiffness", "viscous_friction"}
@@ -253,6 +263,7 @@ def test_a_damper_that_the_simulation_has_too_much_of_is_no_gain():
     assert found.calibration.gain == pytest.approx(1.0, abs=0.1)
 
 
+@pytest.mark.long
 def test_forms_that_other_terms_have_made_needless_are_plainer_again():
     """What was fitted beside a gain that took the damper's place grew forms for what that left."""
     found = beside_a_simulated_damper(15.0, 36)
@@ -264,6 +275,7 @@ def test_forms_that_other_terms_have_made_needless_are_plainer_again():
 
 
 @pytest.mark.parametrize("side", [1.0, -1.0])
+@pytest.mark.long
 def test_a_bump_stop_pushes_less_while_it_is_let_go(side):
     """Hunt and Crossley's law, with the spring of a bumper that gets stiffer."""
     t, x, rng = motion(14)
@@ -277,6 +289,7 @@ def test_a_bump_stop_pushes_less_while_it_is_let_go(side):
 
 
 @pytest.mark.parametrize("fades", [0.0, 0.5])
+@pytest.mark.long
 def test_a_damper_that_fades_as_it_warms_up_is_no_constant_one(fades: float):
     """Its oil gets thinner: no name of the catalogue, and no noise either."""
     rates = np.tile([0.5, 1.0, 2.0], 4)

@@ -39,6 +39,7 @@ def test_a_fiftieth_is_form_where_it_is_small_beside_the_noise(noise, formal):
 
 
 @pytest.mark.parametrize(("moves", "formal"), [(True, {RIPPLE.name}), (False, set())])
+@pytest.mark.long
 def test_more_is_form_beside_a_simulation_that_moves_by_itself(moves, formal, monkeypatch):
     monkeypatch.setattr(form, "moves_by_itself", lambda _: moves)
     assert formal_beside_play(0.25, noise=0.4) == formal
@@ -59,6 +60,7 @@ def test_a_name_of_form_is_told_in_the_notes_and_stays_in_the_corrected_simulati
 
 
 @pytest.mark.parametrize(("amplitude", "alone"), [(0.04, True), (1.0, False)])
+@pytest.mark.long
 def test_one_name_that_leaves_hardly_more_is_told_instead_of_a_pile(amplitude, alone):
     ripple = {"amplitude": amplitude, "period": 30.0, "phase": 1.0}
     hidden = {"backlash": {"width": 12.0}, RIPPLE.name: ripple}
@@ -79,6 +81,7 @@ def test_one_name_that_leaves_hardly_more_is_told_instead_of_a_pile(amplitude, a
 @pytest.mark.parametrize(("moves", "late_s", "formal"), [
     (True, 0.004, {"frame_lag"}), (True, 0.03, set()), (False, 0.004, set()),
 ], ids=["moving", "moving, later", "a curve"])  # fmt: skip
+@pytest.mark.long
 def test_a_little_lag_is_form_beside_a_simulation_that_moves_by_itself(moves, late_s, formal):
     time_s = 0.02 * np.arange(1500)
     drive = 30.0 * np.sin(np.pi * time_s)

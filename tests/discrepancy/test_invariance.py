@@ -79,6 +79,7 @@ HIDDEN = {
     ("hidden", "angle", "command"),
     [("stop", TO_COUNTS, 1.0), ("stop", TO_METRES, 1.0), ("play", 1.0, TO_METRES)],
 )
+@pytest.mark.long
 def test_units_change_nothing(hidden, angle, command):
     recording = recorded(HIDDEN[hidden], seed=5)
     counted = told(in_units(recording, 1.0, 1.0, "counts"))
@@ -93,6 +94,7 @@ def test_an_angle_is_one_in_every_unit(unit, size):
     assert same(degrees, told(in_units(recording, size, size, unit), size), 0.01)
 
 
+@pytest.mark.long
 def test_clocks_and_signs_change_nothing():
     recording = recorded(HIDDEN["play"], seed=7)
     as_it_is = told(recording)
@@ -101,6 +103,7 @@ def test_clocks_and_signs_change_nothing():
     assert same(as_it_is, told(flipped))
 
 
+@pytest.mark.long
 def test_where_another_command_counts_from_changes_nothing():
     hidden = {f"coupling/{OTHER}": {"gain": 0.1}, "backlash": {"width": 4.0}}
     recording = recorded(hidden, seed=8, two_axes=True)

@@ -73,6 +73,7 @@ def test_levels_are_where_nearly_all_readings_stand() -> None:
 @pytest.mark.parametrize("noise", [0.0, 0.05, 0.15])
 @pytest.mark.parametrize("step", [0.3, 1.1])
 @pytest.mark.parametrize("hidden", [None, "backlash"])
+@pytest.mark.long
 def test_levels_are_no_physics(hidden: str | None, step: float, noise: float) -> None:
     physics = {} if hidden is None else {hidden: {"width": 1.6}}
     result = diagnosed(read(recorded(physics, noise=noise), step))

@@ -160,6 +160,7 @@ def test_single_frames_do_not_hide_the_rest() -> None:
 
 
 @pytest.mark.parametrize("motion", [plain(6, 100), rich()], ids=["plain", "rich"])
+@pytest.mark.long
 def test_p_values_are_uniform_when_only_noise_is_there(motion: Motion) -> None:
     rng = np.random.default_rng(11)
     p_values, alarms, trials = [], 0, 50

@@ -34,6 +34,7 @@ def seen(ahead: Callable[[np.ndarray], np.ndarray], gain: float = 0.05) -> Diagn
 
 
 @pytest.mark.parametrize(("turns", "phase"), [(0.85, 0.6), (1.05, 0.6), (1.05, 2.5)])
+@pytest.mark.long
 def test_a_pulley_that_turns_about_once_is_a_ripple_and_no_pile_of_bends(turns, phase):
     period = 2.0 * AMPLITUDE / turns
     result = seen(lambda drive: 3.0 * np.sin(2.0 * np.pi * drive / period + phase))

@@ -81,6 +81,7 @@ def test_friction_that_the_drive_bends_is_found_beside_the_stop_that_holds_the_j
         ("creep/whole", {"share": 0.3, "time_constant": 30.0}),
     ],
 )
+@pytest.mark.long
 def test_what_follows_a_slack_joint_late_is_found_beside_the_slack(key, late):
     hidden = {"slack/home": {"width": 4.0, "rounding": 0.1}, key: late}
     best = explained(recorded(hidden, noise=0.15)).choices[0]

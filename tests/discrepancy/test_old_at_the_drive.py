@@ -13,6 +13,7 @@ def slacked(drive: np.ndarray) -> np.ndarray:
 
 
 @pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.long
 def test_an_old_frame_beside_slack_is_no_lag_of_the_motor(seed: int) -> None:
     """A quick motion: between two samples it goes through half of the slack."""
     time_s = np.arange(CYCLES * 200) * STEP_S

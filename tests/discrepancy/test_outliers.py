@@ -215,6 +215,7 @@ def test_what_lies_between_two_poses_beside_an_old_frame_was_not_mistaken(betwee
     assert not on_their_way(replace(explanation, choices=[chosen(ground, 0.0)]))
 
 
+@pytest.mark.long
 def test_noise_with_heavy_tails_is_no_mistaken_marker(monkeypatch: pytest.MonkeyPatch) -> None:
     """One sample of four is 2.2 times as noisy, as where light flickers."""
     play = recorded({"backlash": {"width": 3.0}}, noise=0.0, cycles=20)

@@ -88,6 +88,7 @@ def test_what_else_is_late_is_told_beside_it() -> None:
 
 
 @pytest.mark.parametrize("late_s", [0.013, 0.03])
+@pytest.mark.long
 def test_play_that_the_simulation_knows_is_as_late_as_the_rest(late_s: float) -> None:
     knows = play(DRIVE, 0.05, 0.0)
     seen = np.interp(TIME_S - late_s, TIME_S, knows)

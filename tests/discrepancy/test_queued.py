@@ -29,6 +29,7 @@ def queue_of(rise: float) -> Recording:
 
 
 @pytest.mark.parametrize("rise", [1.0, 4.0])
+@pytest.mark.long
 def test_frames_from_a_buffer_that_fills_and_is_flushed_are_told(rise):
     best = explained(queue_of(rise)).choices[0]
     (piece,) = best.fit.pieces
@@ -48,6 +49,7 @@ def test_what_comes_late_at_a_steady_pace_is_no_queue(hidden):
     assert queued(found.search, found.choices[0]) is found.choices[0]
 
 
+@pytest.mark.long
 def test_a_queue_is_the_same_as_nothing_steady_and_says_how_often_it_is_emptied():
     (physics,) = diagnosed(queue_of(4.0)).diagnoses[0].physics
     assert (physics.name, physics.alternatives) == ("frame_lag", ())

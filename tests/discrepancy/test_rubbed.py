@@ -23,6 +23,7 @@ def pulled(drive: np.ndarray) -> np.ndarray:
     return out
 
 
+@pytest.mark.long
 def test_friction_ahead_of_slack_is_no_play_that_grows():
     time_s = 0.02 * np.arange(1600)
     drive = 14.0 * np.exp(-time_s / 25.0) * np.sin(2.0 * np.pi * 0.3 * time_s)

@@ -61,6 +61,7 @@ def measured(key: str, values: list[float], noise: float = 0.1, seed: int = 5) -
         ("tension_loss/round", [0.0025, 0.8, 0.9]),
     ],
 )
+@pytest.mark.long
 def test_one_name_holds_what_other_forms_of_it_need_others_for(key, values):
     best = explained(measured(key, values)).choices[0]
     assert best.fit.names == (key.partition("/")[0],)
@@ -108,6 +109,7 @@ def test_a_robot_that_is_sampled_every_few_seconds_steps_and_waits(recording, ru
     ) == (not runs)
 
 
+@pytest.mark.long
 def test_a_wire_that_gives_back_what_arrived_is_creep_and_more_than_that_name_says() -> None:
     recording = sagging(0.12, 6.0)
     (diagnosis,) = diagnosed(recording).diagnoses

@@ -62,6 +62,7 @@ def slid(x, gap, sticks, friction=25.0, reach=4e-4):
 
 
 @pytest.mark.parametrize(("sticks", "form"), [(True, "stays"), (False, "does not resist")])
+@pytest.mark.long
 def test_friction_that_a_pin_pushes_through_a_gap_has_play(sticks: bool, form: str):
     _, x, _ = motion(2)
     found = beside(x, slid(x, 0.0016, sticks), slid(x, 0.0, True))
@@ -85,6 +86,7 @@ def test_a_piston_in_oil_whose_rod_has_play_stands_still_in_it():
     assert "stands still" in found.physics[0].says
 
 
+@pytest.mark.long
 def test_friction_and_a_spring_that_no_gap_parts_from_the_pin_are_one_name():
     _, x, _ = motion(2)
     spring = 1200.0 * x
@@ -92,6 +94,7 @@ def test_friction_and_a_spring_that_no_gap_parts_from_the_pin_are_one_name():
     told(found, "backlash", 0.03, width=0.0016, stiffness=1200.0)
 
 
+@pytest.mark.long
 def test_a_force_that_is_many_samples_old_is_told_by_its_age():
     t, x, _ = motion(2)
     rigid = 25.0 * np.sign(np.gradient(x, t)) + SPRING * x
@@ -99,6 +102,7 @@ def test_a_force_that_is_many_samples_old_is_told_by_its_age():
     told(found, "frame_lag", 0.05, lag=0.03)
 
 
+@pytest.mark.long
 def test_a_force_that_swings_after_rigid_friction_is_one_lag():
     t, x, _ = motion(2)
     rigid = 25.0 * np.sign(np.gradient(x, t))
@@ -128,6 +132,7 @@ def test_behind_a_command_of_its_own_unit_a_force_is_moved_as_an_angle_is():
     assert parameters(found)["backlash.width"].value == pytest.approx(8.0, rel=0.05)
 
 
+@pytest.mark.long
 def test_a_damper_behind_a_spring_beside_simulated_friction_is_one_damper():
     t, x, _ = motion(2)
     v = np.gradient(x, t)

@@ -25,6 +25,7 @@ from tests.discrepancy.made import explained, recorded
         ),
     ],
 )
+@pytest.mark.long
 def test_slack_of_the_drive_is_found_beside_what_it_does_not_answer_to(key, parameters, other):
     found = explained(recorded({key: parameters, **other}, noise=0.15, two_axes=True))
     best, beside = found.choices[0], next(iter(other)).partition("/")[0]

@@ -28,6 +28,7 @@ COURSES = [(warming, "rising wave"), (settling, "settling cycle"), (shaded, "smo
 
 @pytest.mark.parametrize(("zero", "form"), COURSES)
 @pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.long
 def test_a_zero_that_follows_its_own_course_is_one_drift(zero, form, seed):
     recording = recorded({}, cycles=9, seed=seed)
     hours = recording.samples["time_s"].to_numpy() / 3600.0

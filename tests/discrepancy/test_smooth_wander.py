@@ -66,6 +66,7 @@ def made(hidden: dict, seed: int, size: float, carrier: str = "zero") -> Recordi
 
 @pytest.mark.parametrize("hidden", [{}, PLAY], ids=["alone", "beside play"])
 @pytest.mark.parametrize("seed", [6, 9])
+@pytest.mark.long
 def test_it_is_named_as_a_drift_with_its_size(hidden, seed):
     (told,) = diagnosed(made(hidden, seed, 6.0)).diagnoses
     assert told.verdict == "explained"
@@ -87,6 +88,7 @@ def test_beside_it_no_frame_is_taken_for_mistaken():
 
 @pytest.mark.parametrize("carrier", ["gain", "one side", "beyond an end", "play"])
 @pytest.mark.parametrize("size", [4.0, 8.0])
+@pytest.mark.long
 def test_what_wanders_with_the_commands_is_no_drift(carrier, size):
     (told,) = diagnosed(made({}, 9, size, carrier)).diagnoses
     assert told.verdict in ("unknown_physics", "partly_explained")
@@ -108,6 +110,7 @@ def test_it_is_a_drift_too_where_no_cycle_repeats_another():
     assert told.noise == pytest.approx(NOISE, rel=0.1)
 
 
+@pytest.mark.long
 def test_a_gain_that_wanders_is_none_there_either():
     (told,) = diagnosed(unrepeated("gain")).diagnoses
     assert "drift" not in {p.name for p in told.physics}
@@ -118,6 +121,7 @@ def drifting() -> Explanation:
     return explained(made(PLAY, 9, 6.0))
 
 
+@pytest.mark.long
 def test_its_names_are_weighed_anew(drifting):
     found = wandering(drifting, drifting.choices[0])
     assert found is not None
@@ -182,6 +186,7 @@ def test_a_smooth_change_that_is_no_zero_is_structure_where_a_walk_would_take_it
 
 
 @pytest.mark.parametrize(("cycles_a_swing", "drifts"), [(1.37, False), (6.4, True)])
+@pytest.mark.long
 def test_what_swings_with_one_period_time_and_again_is_no_drift(cycles_a_swing, drifts):
     """A shaking table or a breath, as slow as a drift where pictures are taken seldom."""
     recording = recorded({}, cycles=CYCLES)
@@ -220,6 +225,7 @@ def test_it_is_far_beyond_the_noise_and_slow(drifting):
     assert not may_wander(replace(near, left=0.6 * near.left), drifting.prior)
 
 
+@pytest.mark.long
 def test_held_out_cycles_and_an_absurd_calibration_speak_against_it(drifting, monkeypatch):
     problem = drifting.problem
     assert decision.decided(problem, drifting).wander is not None
@@ -279,6 +285,7 @@ def test_a_zero_has_to_be_much_likelier_than_all_else_that_may_wander(monkeypatc
 
 
 @pytest.mark.parametrize("rings", [True, False])
+@pytest.mark.long
 def test_beside_what_rings_after_long_steps_no_zero_is_said_to_wander(rings):
     """Cycles in which one step in ten is four times as long; samples that are off after those."""
     way = np.where(np.arange(STEPS // 2) % 10 == 3, 4.0, 1.0)

@@ -65,6 +65,7 @@ def test_teeth_that_a_belt_skips_now_and_then_are_told():
 
 
 @pytest.mark.parametrize(("form", "jump"), [("every top", 0.5), ("every bottom", -0.5)])
+@pytest.mark.long
 def test_steps_lost_in_every_cycle_are_told_in_place_of_a_zero_that_walks(form, jump):
     recording = recorded({f"lost_steps/{form}": {"jump": jump, "time": 850.0}}, cycles=9)
     best = explained(recording).choices[0]

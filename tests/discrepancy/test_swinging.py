@@ -23,6 +23,7 @@ from tests.discrepancy.made import (
 @pytest.mark.parametrize(
     ("frequency", "damping"), [(0.16, 0.25), (0.7, 0.2)], ids=["slow", "quick"]
 )
+@pytest.mark.long
 def test_what_swings_is_a_lag_though_no_first_order_lag_is_on_the_way(frequency, damping, beside):
     swing = {"natural_frequency": frequency, "damping": damping, "moving": 0.0}
     result = diagnosed(recorded({"response_lag/second": swing} | beside, cycles=9, noise=0.15))
@@ -58,6 +59,7 @@ def test_what_swings_at_a_steady_pace_is_not_told_as_an_old_frame_alone():
     assert found.after.heldout_rmse < 0.32
 
 
+@pytest.mark.long
 def test_what_swings_is_found_behind_play_that_grows_and_before_an_old_frame():
     """Steps of any size with pauses that differ: creep beside an old frame comes near the swing."""
     rng = np.random.default_rng(8)

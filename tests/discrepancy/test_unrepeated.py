@@ -80,6 +80,7 @@ def test_a_lag_that_swings_is_found_where_a_plain_delay_comes_near_it():
 
 
 @pytest.mark.parametrize("seed", [9, 10])
+@pytest.mark.long
 def test_a_zero_that_jitters_a_little_is_neither_slip_nor_drift(seed):
     cycle = np.arange(ROWS) // 100
     growing = (30.0 + 1.5 * cycle) * np.sin(2.0 * np.pi * np.arange(ROWS) / 100)
@@ -240,6 +241,7 @@ def test_a_slip_far_larger_than_the_rest_stays_and_so_does_what_is_foretold_besi
     assert foretold_part(found.choices, alone, rest).fit.names == alone.fit.names[: rest < 0.1]
 
 
+@pytest.mark.long
 def test_a_zero_that_walks_at_random_by_twice_the_noise_is_seldom_drift_or_slip():
     verdicts = []
     for seed in range(1, 9):

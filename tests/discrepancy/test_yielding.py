@@ -45,6 +45,7 @@ def test_its_width_and_how_soon_it_settles_are_told(found, parameter, value):
     assert value_of(found, "backlash", parameter).value == pytest.approx(value, rel=0.15)
 
 
+@pytest.mark.long
 def test_a_lag_below_the_noise_beside_play_is_the_plays_own():
     """Cycles sampled finely: the load follows within more than half a sample."""
     step_s, rows, settling_s = 0.005, 9600, 0.004

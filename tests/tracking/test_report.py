@@ -9,6 +9,7 @@ import cv2
 import numpy as np
 import pandas as pd
 import pytest
+from matplotlib.figure import Figure
 from rerun.chunk import RrdReader
 
 from pipeline.discrepancy.judgement.proof import BEYOND, HELDOUT
@@ -127,6 +128,15 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return where
 
 
+@pytest.fixture
+def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A page whose figures are blank: its words are looked at."""
+    names = ("loop", "residual", "time", "where_direction", "next")
+    blank = {name: Figure() for name in names}
+    monkeypatch.setattr("pipeline.tracking.report.diagnosis_figures", lambda *_: blank)
+    monkeypatch.setattr("pipeline.tracking.report.overview_figure", lambda _: Figure())
+
+
 @pytest.fixture(scope="module")
 def page(folder: Path) -> Page:
     return Page((folder / "report.html").read_text(encoding="utf-8"))
@@ -206,6 +216,7 @@ def test_the_same_stands_in_a_rerun_recording(folder: Path) -> None:
     assert "/summary" in entities
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_names_from_outside_are_no_markup(tmp_path: Path) -> None:
     odd = replace(diagnosis(), notes=("<script>alert(1)</script> & co",))
     write_report(tmp_path, [odd], [evidence()], [None if odd.notes == () else COMMANDS])
@@ -240,6 +251,7 @@ def test_each_verdict_is_a_sentence(verdict: str, sentence: str) -> None:
     assert ("Backlash may also be friction." in said) is told
 
 
+@pytest.mark.usefixtures("undrawn")
 @pytest.mark.parametrize(
     ("where", "said"),
     [
@@ -353,6 +365,7 @@ def test_a_browser_shows_the_pictures_in_the_colours_of_the_words(
         assert (np.abs(pixels - rgb[::-1]).max(axis=1) < 12).sum() > 100, rgb
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_one_explanation_alone_is_not_weighed(tmp_path: Path) -> None:
     """A lone row of 100 % would contradict how sure its name is said to be."""
     several = evidence()
