@@ -17,8 +17,9 @@ from scipy.signal import lfilter
 
 from pipeline.physics import balance as at_joint
 from pipeline.physics.catalogue import term
-from pipeline.physics.mechanism import Mechanism, Piece
+from pipeline.physics.mechanism import Mechanism
 from pipeline.physics.motion import Motion
+from pipeline.physics.piece import Piece
 from pipeline.physics.play_operator import play
 from pipeline.physics.second_order_lag import swung
 

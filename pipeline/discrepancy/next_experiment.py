@@ -18,8 +18,9 @@ from pipeline.physics.catalogue import BENDS
 from pipeline.physics.differentiation import differentiate
 from pipeline.physics.force_units import position_behind
 from pipeline.physics.frame_lag import FrameLag
-from pipeline.physics.mechanism import Mechanism, Piece
+from pipeline.physics.mechanism import Mechanism
 from pipeline.physics.motion import Kinetics, Motion
+from pipeline.physics.piece import Piece
 
 DECISIVE = 4.5
 ENOUGH_POWER = 0.95

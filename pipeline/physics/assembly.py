@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 
 from pipeline.physics.catalogue import term
-from pipeline.physics.mechanism import Piece
+from pipeline.physics.piece import Piece
 from pipeline.physics.term import Surroundings, values_of
 
 

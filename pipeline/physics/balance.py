@@ -17,7 +17,7 @@ when a dwell began; over a dwell of length t it pulls as a spring of stiffness r
 """
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, cast
+from typing import Any, NamedTuple, Protocol, cast
 
 import numpy as np
 
@@ -26,10 +26,8 @@ from pipeline.physics.equilibrium import NEVER, PRECISE, balance
 from pipeline.physics.kinematics import Curve
 from pipeline.physics.memoryless import FEWEST, crept, settled
 from pipeline.physics.motion import Motion
+from pipeline.physics.piece import Piece
 from pipeline.physics.tabled import FAR
-
-if TYPE_CHECKING:
-    from pipeline.physics.mechanism import Piece
 
 BALANCE = "balance"
 FEWEST_CYCLES = 3
@@ -97,7 +95,7 @@ class BalancedTerm(Protocol):
 
 def settle(
     asked: np.ndarray,
-    pieces: Sequence["Piece"],
+    pieces: Sequence[Piece],
     motion: Motion,
     curve: Curve,
     state: np.ndarray | None,
@@ -109,7 +107,7 @@ def settle(
     memory: states of the terms that have one beside it, by their names with forms.
     """
     loads = [
-        cast(BalancedTerm, p.term).load(p.values, motion, memory.get(key_of(p)) if memory else None)
+        cast(BalancedTerm, p.term).load(p.values, motion, memory.get(p.key) if memory else None)
         for p in pieces
     ]
     load = loads[0] if len(loads) == 1 else together(loads)
@@ -145,15 +143,8 @@ def settle(
             carried[1:], angle, motion,
         )  # fmt: skip
         carried[0] = motion.time_s[-1]
-    states = {
-        key_of(p): one.carried for p, one in zip(pieces, loads, strict=True) if one.carried.size
-    }
+    states = {p.key: one.carried for p, one in zip(pieces, loads, strict=True) if one.carried.size}
     return angle, {BALANCE: carried, **states}
-
-
-def key_of(piece: "Piece") -> str:
-    """Under which name the state of a piece is carried."""
-    return f"{piece.term.name}/{piece.term.form}"
 
 
 def together(loads: Sequence[Load]) -> Load:

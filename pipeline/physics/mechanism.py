@@ -5,18 +5,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from pipeline.physics.balance import BALANCE, key_of, settle
+from pipeline.physics.balance import BALANCE, settle
 from pipeline.physics.kinematics import Curve, IdentityCurve, SmoothError
 from pipeline.physics.motion import Motion
-from pipeline.physics.term import Term
-
-
-@dataclass(frozen=True)
-class Piece:
-    """A term with its parameters, shape (p,), in the term's order."""
-
-    term: Term
-    values: np.ndarray
+from pipeline.physics.piece import Piece
 
 
 @dataclass(frozen=True)
@@ -170,6 +162,6 @@ def _apply(
     before: State,
     after: dict[str, np.ndarray],
 ) -> np.ndarray:
-    key = key_of(piece)
+    key = piece.key
     signal, after[key] = piece.term.respond(signal, motion, piece.values, before.get(key))
     return signal

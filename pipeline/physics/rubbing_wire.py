@@ -7,8 +7,8 @@ import numpy as np
 from pipeline.physics.balance import BALANCE, settle
 from pipeline.physics.friction import Friction
 from pipeline.physics.kinematics import IdentityCurve
-from pipeline.physics.mechanism import Piece
 from pipeline.physics.motion import Motion
+from pipeline.physics.piece import Piece
 from pipeline.physics.pre_sliding import WIDEST
 from pipeline.physics.term import Parameter, Surroundings, Told
 

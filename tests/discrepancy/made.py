@@ -18,8 +18,9 @@ from pipeline.discrepancy.search.explain import Explanation, explain
 from pipeline.discrepancy.search.weighing import Choice, Search
 from pipeline.physics.catalogue import term
 from pipeline.physics.kinematics import CubicCurve
-from pipeline.physics.mechanism import Mechanism, Piece
+from pipeline.physics.mechanism import Mechanism
 from pipeline.physics.motion import Motion
+from pipeline.physics.piece import Piece
 from pipeline.physics.term import Surroundings, values_of
 from pipeline.recording import Channel, Recording
 from pipeline.stages.diagnosis import diagnose

@@ -16,7 +16,7 @@ from pipeline.discrepancy.search.refuted import refuted
 from pipeline.discrepancy.search.second_order import swinging
 from pipeline.discrepancy.search.weighing import Choice
 from pipeline.physics.catalogue import BENDS, term
-from pipeline.physics.mechanism import Piece
+from pipeline.physics.piece import Piece
 from tests.discrepancy.made import explained, recorded
 
 Told = Sequence[tuple[str, str, list[float]]]

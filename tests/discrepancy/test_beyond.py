@@ -13,8 +13,8 @@ from pipeline.discrepancy.search.counted import leaping
 from pipeline.discrepancy.search.polish import polished
 from pipeline.discrepancy.search.weighing import Choice
 from pipeline.physics.kinematics import CubicCurve
-from pipeline.physics.mechanism import Piece
 from pipeline.physics.motion import Motion
+from pipeline.physics.piece import Piece
 from pipeline.physics.play_operator import play, varying_play
 from pipeline.physics.running_clock import RunningClock
 from pipeline.physics.single_bump import SingleBump

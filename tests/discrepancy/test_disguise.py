@@ -19,7 +19,7 @@ from pipeline.discrepancy.search.disguise import (
 )
 from pipeline.discrepancy.search.weighing import Choice
 from pipeline.physics.catalogue import term
-from pipeline.physics.mechanism import Piece
+from pipeline.physics.piece import Piece
 from tests.discrepancy.made import NOISE, chosen, posed, recorded
 
 

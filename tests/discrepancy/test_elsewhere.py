@@ -11,7 +11,7 @@ from pipeline.discrepancy.search.elsewhere import (
     with_others_elsewhere,
 )
 from pipeline.physics.catalogue import term, terms
-from pipeline.physics.mechanism import Piece
+from pipeline.physics.piece import Piece
 from pipeline.physics.term import HELD
 from tests.discrepancy.made import explained, recorded
 

@@ -31,7 +31,7 @@ from pipeline.discrepancy.search.refuted import (
 )
 from pipeline.discrepancy.search.weighing import Choice
 from pipeline.physics.catalogue import term
-from pipeline.physics.mechanism import Piece
+from pipeline.physics.piece import Piece
 from pipeline.recording import branch_of
 from tests.discrepancy.made import ANGLE, NOISE, changed, explained, posed, recorded
 

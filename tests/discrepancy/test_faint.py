@@ -11,7 +11,7 @@ from pipeline.discrepancy.judgement.faint import charged, without_faint
 from pipeline.discrepancy.search.explain import Explanation
 from pipeline.discrepancy.search.weighing import LEAST_GAIN
 from pipeline.physics.catalogue import term
-from pipeline.physics.mechanism import Piece
+from pipeline.physics.piece import Piece
 from pipeline.physics.term import Term
 from tests.discrepancy.made import explained, recorded
 

@@ -8,7 +8,7 @@ from pipeline.discrepancy.fitting.ground import Ground, ground_of
 from pipeline.discrepancy.judgement.first_slip import is_start, start_note
 from pipeline.discrepancy.noise.noise import NoiseModel
 from pipeline.physics.catalogue import term
-from pipeline.physics.mechanism import Piece
+from pipeline.physics.piece import Piece
 from pipeline.recording import reversals_of
 from tests.discrepancy.made import NOISE, posed, recorded
 

@@ -8,7 +8,7 @@ from pipeline.discrepancy.fitting.ground import ground_of
 from pipeline.discrepancy.noise.noise import NoiseModel
 from pipeline.discrepancy.search.flanked import small
 from pipeline.physics.catalogue import term
-from pipeline.physics.mechanism import Piece
+from pipeline.physics.piece import Piece
 from pipeline.physics.play_operator import play
 from tests.discrepancy.made import followed, posed
 

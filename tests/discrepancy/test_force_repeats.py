@@ -18,7 +18,7 @@ from pipeline.discrepancy.problem.force_problem import averaged, block_begins
 from pipeline.discrepancy.problem.repeats import driven_again, rows_of_cycles
 from pipeline.discrepancy.search.counted import farthest
 from pipeline.discrepancy.search.force_delay import delay_of
-from pipeline.physics.mechanism import Piece
+from pipeline.physics.piece import Piece
 from pipeline.physics.viscous_friction import ViscousFriction
 from pipeline.recording import Channel, Recording, with_context
 from pipeline.stages.diagnosis import diagnose, posed

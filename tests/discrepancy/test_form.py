@@ -10,7 +10,7 @@ from pipeline.discrepancy.fitting.fit import evaluate, improve
 from pipeline.discrepancy.judgement import form
 from pipeline.discrepancy.judgement.form import names_of_form, one_for_many
 from pipeline.physics.catalogue import term
-from pipeline.physics.mechanism import Piece
+from pipeline.physics.piece import Piece
 from pipeline.stages.diagnosis import diagnose
 from tests.discrepancy.made import SIMULATED, changed, explained, followed, recorded
 

@@ -14,8 +14,9 @@ from pipeline.discrepancy.noise.noise import NoiseModel
 from pipeline.discrepancy.problem.inputs import input_shares, said_shares
 from pipeline.physics.coupling import Coupling
 from pipeline.physics.kinematics import CubicCurve
-from pipeline.physics.mechanism import Mechanism, Piece
+from pipeline.physics.mechanism import Mechanism
 from pipeline.physics.motion import Motion
+from pipeline.physics.piece import Piece
 from pipeline.physics.second_order_lag import SecondOrderLag
 from pipeline.recording import Recording
 from pipeline.stages.diagnosis import diagnose

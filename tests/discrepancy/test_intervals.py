@@ -8,7 +8,7 @@ from pipeline.config import DiagnosisConfig, ToleranceConfig
 from pipeline.discrepancy.model.intervals import LONGEST_MOVE, arrival_s, estimates, stated
 from pipeline.number_words import worded
 from pipeline.physics.catalogue import term
-from pipeline.physics.mechanism import Piece
+from pipeline.physics.piece import Piece
 from pipeline.stages.diagnosis import diagnose
 from tests.discrepancy.made import recorded
 from tests.discrepancy.test_fit import fitted, widened

@@ -15,7 +15,7 @@ from pipeline.discrepancy.model.result import Diagnosis
 from pipeline.discrepancy.noise.noise import NoiseModel
 from pipeline.discrepancy.problem.problem import Problem, pose_problem
 from pipeline.physics.catalogue import term
-from pipeline.physics.mechanism import Piece
+from pipeline.physics.piece import Piece
 from pipeline.recording import Channel, Recording, with_context
 from pipeline.stages.diagnosis import diagnose
 from tests.discrepancy.made import ANGLE, SIMULATED, STEPS, changed, recorded

@@ -16,7 +16,7 @@ from pipeline.discrepancy.noise.noise import NoiseModel
 from pipeline.discrepancy.search.accuracy import evenly_calibrated
 from pipeline.discrepancy.search.weighing import Choice, names
 from pipeline.physics.catalogue import term
-from pipeline.physics.mechanism import Piece
+from pipeline.physics.piece import Piece
 from tests.discrepancy.made import ANGLE, NOISE, changed, explanation_of, posed, recorded
 
 PLAY = Piece(term("backlash"), np.array([4.0]))

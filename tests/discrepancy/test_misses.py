@@ -13,7 +13,7 @@ from pipeline.discrepancy.search.polish import Tried, swap
 from pipeline.discrepancy.search.weighing import Choice
 from pipeline.physics.catalogue import BENDS, instead, term
 from pipeline.physics.creep import Creep
-from pipeline.physics.mechanism import Piece
+from pipeline.physics.piece import Piece
 from pipeline.physics.term import Surroundings, values_of
 from tests.discrepancy.made import ANGLE, SIMULATED, explained, posed, recorded
 

@@ -20,8 +20,9 @@ from pipeline.discrepancy.next_experiment import (
 )
 from pipeline.discrepancy.noise.noise import NoiseModel
 from pipeline.physics.catalogue import term
-from pipeline.physics.mechanism import Mechanism, Piece
+from pipeline.physics.mechanism import Mechanism
 from pipeline.physics.motion import Motion
+from pipeline.physics.piece import Piece
 from pipeline.physics.term import Surroundings, values_of
 from pipeline.recording import Channel, Recording, cycles_from_reversals
 

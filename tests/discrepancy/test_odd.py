@@ -11,7 +11,7 @@ from pipeline.discrepancy.search.explain import Explanation
 from pipeline.discrepancy.search.odd import FIRM, may_mop_up, oddly
 from pipeline.discrepancy.search.weighing import Choice
 from pipeline.physics.catalogue import term
-from pipeline.physics.mechanism import Piece
+from pipeline.physics.piece import Piece
 from tests.discrepancy.made import explained, recorded
 
 PLAY = Piece(term("backlash"), np.array([4.0]))

@@ -17,7 +17,7 @@ from pipeline.discrepancy.search.counted import between_slips
 from pipeline.discrepancy.search.weighing import Choice
 from pipeline.physics.kinematics import CubicCurve
 from pipeline.physics.lost_steps import LostSteps
-from pipeline.physics.mechanism import Piece
+from pipeline.physics.piece import Piece
 from pipeline.recording import Recording
 from tests.discrepancy.made import (
     ANGLE,

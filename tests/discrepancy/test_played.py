@@ -7,7 +7,7 @@ from pipeline.discrepancy.fitting.ground import ground_of
 from pipeline.discrepancy.search.played import played
 from pipeline.discrepancy.search.weighing import names
 from pipeline.physics.catalogue import term
-from pipeline.physics.mechanism import Piece
+from pipeline.physics.piece import Piece
 from pipeline.physics.uneven_play import WORN
 from tests.discrepancy.made import explained, recorded
 

@@ -21,7 +21,7 @@ from pipeline.discrepancy.noise.noise import NoiseModel
 from pipeline.discrepancy.problem.problem import Problem, pose_problem
 from pipeline.discrepancy.search.weighing import Choice
 from pipeline.physics.catalogue import term
-from pipeline.physics.mechanism import Piece
+from pipeline.physics.piece import Piece
 from pipeline.recording import Channel, Recording, with_context
 from tests.discrepancy.made import explanation_of
 

@@ -14,7 +14,8 @@ from pipeline.discrepancy.judgement.refit import in_course, likeliest
 from pipeline.discrepancy.model.model import CorrectedModel, as_json, from_json
 from pipeline.discrepancy.noise.noise import NoiseModel
 from pipeline.physics.catalogue import term, terms
-from pipeline.physics.mechanism import Mechanism, Piece
+from pipeline.physics.mechanism import Mechanism
+from pipeline.physics.piece import Piece
 from pipeline.recording import Recording
 from pipeline.stages.diagnosis import diagnose
 from pipeline.stages.prediction import predict

@@ -8,7 +8,7 @@ from pipeline.discrepancy.fitting.ground import ground_of
 from pipeline.discrepancy.fitting.reform import reformed
 from pipeline.discrepancy.noise.noise import NoiseModel
 from pipeline.physics.catalogue import richer, term
-from pipeline.physics.mechanism import Piece
+from pipeline.physics.piece import Piece
 from tests.discrepancy.made import posed, recorded
 
 QUIET = 0.05

@@ -10,8 +10,9 @@ from pipeline.discrepancy.fitting.fit import evaluate, improve
 from pipeline.discrepancy.search.ties import standing
 from pipeline.physics.catalogue import BENDS, term
 from pipeline.physics.kinematics import CubicCurve
-from pipeline.physics.mechanism import Mechanism, Piece
+from pipeline.physics.mechanism import Mechanism
 from pipeline.physics.motion import Motion
+from pipeline.physics.piece import Piece
 from pipeline.recording import Recording
 from tests.discrepancy.made import ANGLE, CHANNELS, SIMULATED, diagnosed, explained, recorded
 

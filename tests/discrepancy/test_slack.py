@@ -9,7 +9,7 @@ from pipeline.discrepancy.search.exchange import exchanged
 from pipeline.discrepancy.search.moves import parted
 from pipeline.discrepancy.search.ties import standing
 from pipeline.physics.catalogue import term
-from pipeline.physics.mechanism import Piece
+from pipeline.physics.piece import Piece
 from tests.discrepancy.made import explained, recorded
 
 

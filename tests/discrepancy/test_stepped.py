@@ -10,7 +10,7 @@ from pipeline.discrepancy.fitting.ground import ground_of
 from pipeline.discrepancy.search.stepped import SHORTEST, stepped, steps
 from pipeline.discrepancy.search.weighing import names
 from pipeline.physics.catalogue import term
-from pipeline.physics.mechanism import Piece
+from pipeline.physics.piece import Piece
 from tests.discrepancy.made import ANGLE, changed, explained, recorded
 
 SLIPS = {"jump": 1.1, "time": 700.0, "jump_2": -1.0, "time_2": 1500.0}

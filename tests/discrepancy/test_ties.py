@@ -15,7 +15,7 @@ from pipeline.discrepancy.search.equivalents import equivalents
 from pipeline.discrepancy.search.ties import standing
 from pipeline.discrepancy.search.weighing import Choice
 from pipeline.physics.catalogue import term
-from pipeline.physics.mechanism import Piece
+from pipeline.physics.piece import Piece
 from tests.discrepancy.made import NOISE, changed, chosen, posed, recorded
 
 

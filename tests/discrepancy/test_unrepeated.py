@@ -24,8 +24,9 @@ from pipeline.discrepancy.search.foretold import (
 from pipeline.discrepancy.search.weighing import wanders
 from pipeline.physics.catalogue import term
 from pipeline.physics.kinematics import CubicCurve
-from pipeline.physics.mechanism import Mechanism, Piece
+from pipeline.physics.mechanism import Mechanism
 from pipeline.physics.motion import Motion
+from pipeline.physics.piece import Piece
 from pipeline.recording import Channel, Recording, with_context
 from pipeline.stages.diagnosis import diagnose
 

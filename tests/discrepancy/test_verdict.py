@@ -16,7 +16,7 @@ from pipeline.discrepancy.noise.family import Place
 from pipeline.discrepancy.search.explain import Explanation
 from pipeline.discrepancy.search.weighing import Choice, names
 from pipeline.physics.catalogue import term
-from pipeline.physics.mechanism import Piece
+from pipeline.physics.piece import Piece
 from tests.discrepancy.made import explained, recorded
 
 DRIFT = Piece(term("drift", "linear"), np.array([0.3]))

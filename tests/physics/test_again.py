@@ -9,8 +9,9 @@ from pipeline.physics import balance as at_joint
 from pipeline.physics.contact import Contact
 from pipeline.physics.end_stop import EndStop
 from pipeline.physics.friction import Friction
-from pipeline.physics.mechanism import Mechanism, Piece
+from pipeline.physics.mechanism import Mechanism
 from pipeline.physics.motion import Motion
+from pipeline.physics.piece import Piece
 from pipeline.physics.slack import Slack
 
 FRICTION = Piece(Friction(), np.array([5.0, 4.0, 0.7]))

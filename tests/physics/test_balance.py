@@ -15,8 +15,9 @@ from pipeline.physics.end_stop import EndStop
 from pipeline.physics.friction import Friction
 from pipeline.physics.gravity import Gravity
 from pipeline.physics.kinematics import CubicCurve, SampledCurve, sampled_curve
-from pipeline.physics.mechanism import Mechanism, Piece
+from pipeline.physics.mechanism import Mechanism
 from pipeline.physics.motion import Motion
+from pipeline.physics.piece import Piece
 from pipeline.physics.response_lag import ResponseLag
 from pipeline.physics.second_order_lag import SecondOrderLag
 from pipeline.physics.slack import Slack

@@ -5,8 +5,9 @@ import pytest
 
 from pipeline.physics.compliance import Compliance
 from pipeline.physics.contact import Contact
-from pipeline.physics.mechanism import Mechanism, Piece
+from pipeline.physics.mechanism import Mechanism
 from pipeline.physics.motion import Motion
+from pipeline.physics.piece import Piece
 from pipeline.physics.softer_side import SofterSide
 from pipeline.physics.stiffening_joint import StiffeningJoint
 from pipeline.physics.term import Surroundings

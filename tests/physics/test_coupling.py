@@ -6,8 +6,9 @@ import pytest
 from pipeline.physics.coupling import Coupling
 from pipeline.physics.end_stop import EndStop
 from pipeline.physics.kinematics import CubicCurve
-from pipeline.physics.mechanism import Mechanism, Piece
+from pipeline.physics.mechanism import Mechanism
 from pipeline.physics.motion import Motion
+from pipeline.physics.piece import Piece
 from pipeline.physics.term import Surroundings
 from pipeline.physics.turned_gravity import TurnedGravity
 

@@ -8,8 +8,9 @@ import pytest
 from pipeline.physics.backlash import Backlash
 from pipeline.physics.driven_slack import DrivenSlack, driven_as
 from pipeline.physics.driven_stretch import DrivenStretch
-from pipeline.physics.mechanism import Mechanism, Piece
+from pipeline.physics.mechanism import Mechanism
 from pipeline.physics.motion import Motion
+from pipeline.physics.piece import Piece
 from pipeline.physics.soft_wire import SoftWire
 from pipeline.physics.term import Surroundings
 

@@ -17,8 +17,9 @@ from pipeline.physics.catalogue import (
 )
 from pipeline.physics.differentiation import differentiate
 from pipeline.physics.inertia import Inertia
-from pipeline.physics.mechanism import Mechanism, Piece
+from pipeline.physics.mechanism import Mechanism
 from pipeline.physics.motion import Kinetics, Motion, turned_between
+from pipeline.physics.piece import Piece
 from pipeline.physics.term import Surroundings, TermError, values_of
 
 AROUND = Surroundings(

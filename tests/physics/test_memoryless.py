@@ -12,9 +12,10 @@ from pipeline.physics.creep import Creep
 from pipeline.physics.end_stop import EndStop
 from pipeline.physics.friction import Friction
 from pipeline.physics.gravity import Gravity
-from pipeline.physics.mechanism import Mechanism, Piece
+from pipeline.physics.mechanism import Mechanism
 from pipeline.physics.memoryless import FEWEST
 from pipeline.physics.motion import Motion
+from pipeline.physics.piece import Piece
 from pipeline.physics.slack import Slack
 from pipeline.physics.soft_wire import SoftWire
 from pipeline.physics.stiffening_joint import StiffeningJoint

@@ -4,8 +4,9 @@ import numpy as np
 
 from pipeline.physics.backlash import PIN, Backlash
 from pipeline.physics.kinematics import CubicCurve
-from pipeline.physics.mechanism import Mechanism, Piece
+from pipeline.physics.mechanism import Mechanism
 from pipeline.physics.motion import Motion
+from pipeline.physics.piece import Piece
 from pipeline.physics.term import Surroundings
 
 DRIVE = np.concatenate([np.linspace(0.0, 60.0, 61), np.linspace(59.0, -60.0, 120)])

@@ -6,7 +6,8 @@ import pytest
 from pipeline.physics.backlash import AHEAD
 from pipeline.physics.catalogue import term, terms, with_richer
 from pipeline.physics.lost_steps import BEHIND
-from pipeline.physics.mechanism import Mechanism, Piece
+from pipeline.physics.mechanism import Mechanism
+from pipeline.physics.piece import Piece
 from pipeline.physics.play_operator import play
 from pipeline.physics.term import Surroundings
 from pipeline.physics.transmission_ripple import rippled

@@ -18,8 +18,9 @@ from pipeline.physics.catalogue import (
     with_richer,
 )
 from pipeline.physics.kinematics import CubicCurve
-from pipeline.physics.mechanism import Mechanism, Piece
+from pipeline.physics.mechanism import Mechanism
 from pipeline.physics.motion import Motion
+from pipeline.physics.piece import Piece
 from pipeline.physics.term import LAST, Surroundings, Term, TermError, values_of
 
 OTHER = "yaw_command_deg"

@@ -9,7 +9,8 @@ import pytest
 from pipeline.config import DiagnosisConfig
 from pipeline.discrepancy.model.model import Hypothesis, ModelError, as_json, from_json
 from pipeline.physics.catalogue import term
-from pipeline.physics.mechanism import Mechanism, Piece
+from pipeline.physics.mechanism import Mechanism
+from pipeline.physics.piece import Piece
 from pipeline.stages.diagnosis import diagnose
 from pipeline.stages.prediction import predict
 from tests.discrepancy.made import NOISE, recorded

@@ -10,7 +10,7 @@ from pipeline.discrepancy.fitting.fit import Fit
 from pipeline.discrepancy.fitting.ground import Ground
 from pipeline.discrepancy.noise.serial import TOLERANCE
 from pipeline.discrepancy.problem.problem import Problem
-from pipeline.physics.mechanism import Piece
+from pipeline.physics.piece import Piece
 from pipeline.physics.term import Term
 from pipeline.recording import branch_of
 

@@ -8,7 +8,8 @@ import numpy as np
 
 from pipeline.discrepancy.fitting.ground import Box, Ground
 from pipeline.discrepancy.fitting.normal import added, regressed, solved, stepped
-from pipeline.physics.mechanism import Mechanism, Piece, Trace
+from pipeline.physics.mechanism import Mechanism, Trace
+from pipeline.physics.piece import Piece
 from pipeline.physics.term import Parameter, Term
 
 ITERATIONS = 12

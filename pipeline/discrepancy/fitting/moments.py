@@ -3,7 +3,7 @@
 import numpy as np
 
 from pipeline.discrepancy.fitting.fit import Fit, evaluate, improve, parameters_of
-from pipeline.physics.mechanism import Piece
+from pipeline.physics.piece import Piece
 
 STRIDES = (4, 1)
 TRIED = 6

@@ -14,7 +14,7 @@ from pipeline.discrepancy.fitting.fit import (
 from pipeline.discrepancy.fitting.ground import Box
 from pipeline.discrepancy.fitting.moments import settle_moments
 from pipeline.discrepancy.fitting.screen import PROMISING
-from pipeline.physics.mechanism import Piece
+from pipeline.physics.piece import Piece
 from pipeline.physics.term import Term
 
 MOST, BEGUN = 10, 3

@@ -15,7 +15,7 @@ from pipeline.discrepancy.fitting.fit import (
     respond_beside,
 )
 from pipeline.discrepancy.fitting.moments import moments
-from pipeline.physics.mechanism import Piece
+from pipeline.physics.piece import Piece
 from pipeline.physics.term import Term
 
 PROMISING = 4

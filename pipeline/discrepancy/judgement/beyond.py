@@ -13,7 +13,7 @@ from pipeline.discrepancy.search.weighing import Choice
 from pipeline.physics.catalogue import term
 from pipeline.physics.coupling import Coupling
 from pipeline.physics.coupling_ways import Lever
-from pipeline.physics.mechanism import Piece
+from pipeline.physics.piece import Piece
 
 PART = 0.01
 PIVOT = 0.05

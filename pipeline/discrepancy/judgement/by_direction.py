@@ -9,7 +9,7 @@ from pipeline.discrepancy.noise.family import NoiseFamily
 from pipeline.discrepancy.search.weighing import Choice
 from pipeline.number_words import worded
 from pipeline.physics.force_term import ASYMMETRY, ForceTerm
-from pipeline.physics.mechanism import Piece
+from pipeline.physics.piece import Piece
 from pipeline.physics.term import values_of
 
 WAYS = (("rising", 1.0), ("falling", -1.0))

@@ -5,7 +5,7 @@ import numpy as np
 from pipeline.discrepancy.fitting.fit import Fit
 from pipeline.number_words import worded
 from pipeline.physics.lost_steps import LostSteps
-from pipeline.physics.mechanism import Piece
+from pipeline.physics.piece import Piece
 from pipeline.recording import reversals_of
 
 

@@ -25,7 +25,7 @@ from pipeline.discrepancy.search.weighing import Choice
 from pipeline.number_words import worded
 from pipeline.physics.coupling import Coupling
 from pipeline.physics.force_term import ForceTerm
-from pipeline.physics.mechanism import Piece
+from pipeline.physics.piece import Piece
 
 SUREST = 0.98
 SURPLUS = " The simulation has that much too much of it."

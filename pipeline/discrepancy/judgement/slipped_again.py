@@ -9,7 +9,8 @@ from pipeline.discrepancy.problem.problem import Problem
 from pipeline.discrepancy.search.weighing import Choice
 from pipeline.number_words import worded
 from pipeline.physics.lost_steps import LostSteps
-from pipeline.physics.mechanism import Mechanism, Piece
+from pipeline.physics.mechanism import Mechanism
+from pipeline.physics.piece import Piece
 
 SURE, FEWEST, MOST, TURNS, FIRST_JUMP = 10.0, 10, 0.5, 3, 0.01
 NEARLY, USUAL = 1.25, 1.4826

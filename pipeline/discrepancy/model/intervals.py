@@ -9,7 +9,8 @@ from pipeline.discrepancy.model.result import Estimate
 from pipeline.discrepancy.noise.family import NoiseFamily, Place
 from pipeline.discrepancy.problem.problem import Problem
 from pipeline.physics.catalogue import BEND
-from pipeline.physics.mechanism import Piece, Trace
+from pipeline.physics.mechanism import Trace
+from pipeline.physics.piece import Piece
 from pipeline.physics.term import Parameter
 from pipeline.recording import branch_of
 

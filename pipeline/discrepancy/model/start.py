@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 
-from pipeline.physics.balance import key_of
 from pipeline.physics.mechanism import Mechanism, State
 from pipeline.physics.motion import Kinetics, Motion
 
@@ -122,7 +121,7 @@ def _led(mechanism: Mechanism, motion: Motion, known: End, begin: float) -> Stat
         kinetics=_steady(motion.kinetics, (to - begin) / rows / dwell_s, still),
     )
     after = mechanism.respond(before)[1]
-    of_the_clock = {key_of(p) for p in mechanism.pieces if p.term.slow}
+    of_the_clock = {p.key for p in mechanism.pieces if p.term.slow}
     return {key: own for key, own in after.items() if key not in of_the_clock}
 
 

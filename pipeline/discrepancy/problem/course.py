@@ -14,8 +14,8 @@ from pipeline.physics.driven_bank import HEAVIEST, DrivenBank
 from pipeline.physics.friction import Friction
 from pipeline.physics.held import STEP_AND_WAIT_S
 from pipeline.physics.kinematics import SampledCurve
-from pipeline.physics.mechanism import Piece
 from pipeline.physics.motion import Motion
+from pipeline.physics.piece import Piece
 from pipeline.physics.response_lag import ResponseLag
 from pipeline.physics.second_order_lag import SecondOrderLag
 from pipeline.physics.term import Term

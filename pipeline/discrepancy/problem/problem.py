@@ -22,8 +22,9 @@ from pipeline.discrepancy.problem.stale import NONE_STALE, StaleSamples, hung_sa
 from pipeline.errors import refusal
 from pipeline.physics.differentiation import Derivatives
 from pipeline.physics.kinematics import Curve, straightened
-from pipeline.physics.mechanism import Mechanism, OwnCourse, Piece, Trace
+from pipeline.physics.mechanism import Mechanism, OwnCourse, Trace
 from pipeline.physics.motion import Motion
+from pipeline.physics.piece import Piece
 from pipeline.physics.term import Surroundings
 from pipeline.recording import Recording
 

@@ -6,8 +6,9 @@ from functools import cached_property
 
 import numpy as np
 
-from pipeline.physics.mechanism import Mechanism, Piece, Trace
+from pipeline.physics.mechanism import Mechanism, Trace
 from pipeline.physics.motion import Motion
+from pipeline.physics.piece import Piece
 
 MOST_KEPT = 500
 

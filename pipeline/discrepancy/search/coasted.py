@@ -8,7 +8,7 @@ from pipeline.discrepancy.search.choose import excludes
 from pipeline.discrepancy.search.played import PLAY, alone_as_play
 from pipeline.discrepancy.search.weighing import Choice, Search
 from pipeline.physics.coasting_play import CoastingPlay
-from pipeline.physics.mechanism import Piece
+from pipeline.physics.piece import Piece
 
 COASTING = CoastingPlay()
 WIDER = (1.0, 1.2)

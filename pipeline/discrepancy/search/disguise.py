@@ -11,7 +11,7 @@ from pipeline.discrepancy.fitting.reform import reformed
 from pipeline.discrepancy.model.intervals import covariance_of
 from pipeline.discrepancy.search.elsewhere import differing
 from pipeline.discrepancy.search.weighing import LEAST_GAIN, RIVAL_GAP, TIE, Choice, Search, names
-from pipeline.physics.mechanism import Piece
+from pipeline.physics.piece import Piece
 from pipeline.physics.term import Term
 from pipeline.recording import reversals_of
 

@@ -10,7 +10,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
 from pipeline.discrepancy.fitting.fit import TOLERANCE, Fit, evaluate, improve
-from pipeline.physics.mechanism import Piece
+from pipeline.physics.piece import Piece
 from pipeline.physics.term import Term
 
 Key = frozenset[tuple[str, str]]

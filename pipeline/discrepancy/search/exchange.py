@@ -9,7 +9,7 @@ from pipeline.discrepancy.search.elsewhere import Key, differing
 from pipeline.discrepancy.search.growth import grown
 from pipeline.discrepancy.search.weighing import MOST_TERMS, Choice, Search
 from pipeline.physics.catalogue import instead
-from pipeline.physics.mechanism import Piece
+from pipeline.physics.piece import Piece
 
 BEGUN, STEPS, HOPED, FARTHER = 3, 4, 100.0, 5.0
 

@@ -6,7 +6,7 @@ from pipeline.discrepancy.fitting.fit import ITERATIONS, Fit, evaluate, improve
 from pipeline.discrepancy.search.weighing import Choice, Search
 from pipeline.physics.backlash import Backlash
 from pipeline.physics.catalogue import FLANKS
-from pipeline.physics.mechanism import Piece
+from pipeline.physics.piece import Piece
 
 
 def flanked(search: Search, choice: Choice) -> Choice:

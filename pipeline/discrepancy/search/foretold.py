@@ -10,7 +10,7 @@ from pipeline.discrepancy.fitting.fit import Fit, evaluate, improve
 from pipeline.discrepancy.fitting.ground import Ground
 from pipeline.discrepancy.search.weighing import TIE, Choice, names
 from pipeline.physics.lost_steps import LostSteps
-from pipeline.physics.mechanism import Piece
+from pipeline.physics.piece import Piece
 
 CUTS = (0.55, 0.75)
 AHEAD = 0.25

@@ -15,7 +15,7 @@ from pipeline.physics.catalogue import BEND, CARRYING, OFF_CENTRE, SHEATH_FORCES
 from pipeline.physics.driven_slack import DrivenSlack
 from pipeline.physics.friction import Friction
 from pipeline.physics.lost_steps import TIMES, LostSteps
-from pipeline.physics.mechanism import Piece
+from pipeline.physics.piece import Piece
 from pipeline.physics.second_order_lag import SecondOrderLag
 from pipeline.physics.slack import Slack
 from pipeline.physics.stiffness import Stiffness

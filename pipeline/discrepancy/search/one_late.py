@@ -6,7 +6,7 @@ from pipeline.discrepancy.search.choose import excludes
 from pipeline.discrepancy.search.exchange import begun_from
 from pipeline.discrepancy.search.weighing import Choice, Search
 from pipeline.physics.catalogue import ONE_LATE
-from pipeline.physics.mechanism import Piece
+from pipeline.physics.piece import Piece
 
 
 def one_late(search: Search, choice: Choice) -> Choice:

@@ -11,7 +11,7 @@ from pipeline.discrepancy.search.choose import excludes
 from pipeline.discrepancy.search.moves import curves
 from pipeline.discrepancy.search.weighing import Choice, Search
 from pipeline.physics.backlash import Backlash
-from pipeline.physics.mechanism import Piece
+from pipeline.physics.piece import Piece
 from pipeline.physics.uneven_play import FORMS, UnevenPlay
 
 PLAY = Backlash()

@@ -9,7 +9,7 @@ from pipeline.discrepancy.search.polish import polished
 from pipeline.discrepancy.search.weighing import Choice, Search, best_of_each
 from pipeline.physics.catalogue import PRESSED, SPRUNG, with_richer
 from pipeline.physics.coulomb_friction import CoulombFriction
-from pipeline.physics.mechanism import Piece
+from pipeline.physics.piece import Piece
 from pipeline.physics.term import Term
 
 BEYOND, SAME = 10.0, 0.3

@@ -21,7 +21,7 @@ from pipeline.discrepancy.search.choose import excludes
 from pipeline.discrepancy.search.weighing import Choice, Search
 from pipeline.physics.catalogue import QUEUE
 from pipeline.physics.frame_lag import FrameLag
-from pipeline.physics.mechanism import Piece
+from pipeline.physics.piece import Piece
 from pipeline.physics.queued_frames import LONGEST, SHORTEST
 
 COARSE, FINE = (24, 0.2), (120, 0.02)

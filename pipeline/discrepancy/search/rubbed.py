@@ -4,7 +4,7 @@ from pipeline.discrepancy.fitting.fit import ITERATIONS, evaluate, improve
 from pipeline.discrepancy.search.played import PLAY, alone_as_play
 from pipeline.discrepancy.search.weighing import Choice, Search
 from pipeline.physics.friction import Friction
-from pipeline.physics.mechanism import Piece
+from pipeline.physics.piece import Piece
 from pipeline.physics.rubbing_wire import RUBBING
 from pipeline.physics.slack import Slack
 

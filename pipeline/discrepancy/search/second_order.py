@@ -11,7 +11,7 @@ from pipeline.discrepancy.search.polish import polished
 from pipeline.discrepancy.search.refuted import not_noise, worth_a_polish
 from pipeline.discrepancy.search.weighing import MOST_TERMS, Choice, Search, best_of_each
 from pipeline.physics.frame_lag import FrameLag
-from pipeline.physics.mechanism import Piece
+from pipeline.physics.piece import Piece
 from pipeline.physics.second_order_lag import SecondOrderLag
 
 SWINGING = SecondOrderLag()

@@ -10,7 +10,7 @@ from pipeline.discrepancy.search.elsewhere import differing
 from pipeline.discrepancy.search.weighing import FAINT, MOST_TERMS, Choice, Search
 from pipeline.physics.catalogue import RECURRING
 from pipeline.physics.lost_steps import LostSteps
-from pipeline.physics.mechanism import Piece
+from pipeline.physics.piece import Piece
 
 SLIPS = [LostSteps(form) for form in ("twice", "thrice", "fourfold")]
 USUAL_JITTER = 3

@@ -6,7 +6,7 @@ from pipeline.discrepancy.search.weighing import MOST_TERMS, Choice, Search
 from pipeline.physics.backlash import Backlash
 from pipeline.physics.catalogue import LAGS
 from pipeline.physics.coasting_play import CoastingPlay
-from pipeline.physics.mechanism import Piece
+from pipeline.physics.piece import Piece
 
 NARROWER = (1.0, 0.75)
 BEGUN = 3
