@@ -86,6 +86,17 @@ def test_beside_it_no_frame_is_taken_for_mistaken():
     assert {p.name for p in told.physics} == {"drift"}
 
 
+def test_its_calibration_is_about_where_it_is_on_average_not_at_first():
+    recording = recorded({}, cycles=CYCLES, seed=1)
+    coming = 30.0 * NOISE * (wander(1, 0.3) - 3.0 * np.exp(-np.arange(CYCLES * STEPS) / STEPS))
+    found = explained(changed(recording, **{ANGLE: recording.values(ANGLE) + coming}))
+    told = decision.decided(found.problem, found)
+    assert told.wander is not None
+    left = (found.problem.measured - told.choice.fit.predicted)[found.used]
+    assert abs(np.mean(left)) < 1e-6
+    assert abs(np.mean(found.problem.measured - told.wander.fit.predicted)) > NOISE
+
+
 @pytest.mark.parametrize("carrier", ["gain", "one side", "beyond an end", "play"])
 @pytest.mark.parametrize("size", [4.0, 8.0])
 @pytest.mark.long

@@ -35,6 +35,7 @@ from pipeline.discrepancy.judgement.walking_zero import walks_far
 from pipeline.discrepancy.problem.problem import Problem
 from pipeline.discrepancy.search.accuracy import (
     calibrated_alone,
+    centred,
     evenly_calibrated,
     within_accuracy,
 )
@@ -153,7 +154,8 @@ def beside_a_wander(problem: Problem, explanation: Explanation, best: Choice) ->
         return None
     modelled = best if names(best) - names(choice) == {Drift.name} else None
     none = Structure(False, None, 0.0, 1.0)
-    return Decision(explanation, choice, none, wander=beside, modelled=modelled)
+    told = centred(choice, explanation.used)
+    return Decision(explanation, told, none, wander=beside, modelled=modelled)
 
 
 def by_repeats(

@@ -52,6 +52,18 @@ def evenly_calibrated(base: Choice, used: np.ndarray) -> Choice:
     return replace(base, fit=replace(base.fit, nuisance=even.nuisance))
 
 
+def centred(choice: Choice, used: np.ndarray) -> Choice:
+    """The choice with the offset at which used rows (n,) are on average neither above nor below.
+
+    For a zero that wanders: under noise that walks, the offset would be where it was at first.
+    """
+    fit = choice.fit
+    left = float(np.mean((fit.ground.problem.measured - fit.predicted)[used]))
+    nuisance = fit.nuisance.copy()
+    nuisance[1] += left
+    return replace(choice, fit=replace(fit, nuisance=nuisance))
+
+
 def hidden(search: Search, choice: Choice) -> tuple[str, float, float] | None:
     """The plainest of the terms that nearly best foretell what is left, None where none does.
 
