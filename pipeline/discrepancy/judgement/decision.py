@@ -24,9 +24,9 @@ from pipeline.discrepancy.judgement.structure import (
     structure_of,
 )
 from pipeline.discrepancy.judgement.verdict import (
+    beside_a_rest,
     fewer,
     follows,
-    one_at_most,
     sure_of_slow,
     told_but_for_its_form,
     unless_nothing,
@@ -191,7 +191,7 @@ def without_repeats(
     rest = structure.share * mismatch_variance(explanation)
     kept = foretold_part(explanation.choices, best, rest) if structure.found else best
     mops_up = structure.found and piled(kept)
-    return one_at_most(explanation, kept) if mops_up else kept, structure
+    return beside_a_rest(explanation, kept, rest) if mops_up else kept, structure
 
 
 def predicted_by(problem: Problem, choice: Choice) -> np.ndarray:

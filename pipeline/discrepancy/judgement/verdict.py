@@ -142,6 +142,15 @@ def fewer(explanation: Explanation, choice: Choice, structure: Structure) -> Cho
     rest = max(rest_of(choice, explanation) ** 2, sure)
     if not piled(choice) and rest < FORM_ERROR**2 * before:
         return weightier(explanation, choice, np.inf)
+    return beside_a_rest(explanation, choice, sure)
+
+
+def beside_a_rest(explanation: Explanation, choice: Choice, sure: float) -> Choice:
+    """What stays plainly of a choice that leaves a structured rest: no pile of names, or one.
+
+    sure: mean square of the rest.
+    """
+    noise = explanation.prior.model.deviation**2
     plainly = asked_of(explanation, choice, noise)
     told = plainly_told(explanation, choice, noise, plainly, sure)
     return told if told.fit.pieces and not piled(told) else one_at_most(explanation, choice)
