@@ -9,6 +9,7 @@ from scipy.ndimage import gaussian_filter1d
 from pipeline.discrepancy.fitting.fit import evaluate
 from pipeline.discrepancy.fitting.ground import ground_of
 from pipeline.discrepancy.judgement import decision, smooth_wander
+from pipeline.discrepancy.judgement.mistaken import late_by
 from pipeline.discrepancy.judgement.smooth_wander import (
     beside,
     carriers,
@@ -31,6 +32,7 @@ from tests.discrepancy.made import (
     chosen,
     diagnosed,
     explained,
+    explanation_of,
     followed,
     posed,
     recorded,
@@ -84,6 +86,20 @@ def test_beside_it_no_frame_is_taken_for_mistaken():
     moved = recording.values(ANGLE) + 30.0 * NOISE * wander(4, 0.3)
     (told,) = diagnosed(changed(recording, **{ANGLE: moved})).diagnoses
     assert {p.name for p in told.physics} == {"drift"}
+
+
+@pytest.mark.parametrize("told", [True, False], ids=["where it is known", "where it is not"])
+def test_frames_are_late_only_from_where_the_zero_is(told):
+    """A zero that moves by a step of the joint in every other row looks as late frames do."""
+    recording = recorded({}, cycles=CYCLES)
+    simulated = recording.values(SIMULATED)
+    step = np.diff(simulated, prepend=simulated[0])
+    zero = -step * (np.random.default_rng(3).random(len(step)) < 0.4)
+    problem = posed(changed(recording, **{ANGLE: recording.values(ANGLE) + zero}))
+    choice = chosen(ground_of(problem, NoiseModel(white=NOISE), problem.train), 0.0)
+    explanation = explanation_of([choice])
+    explanation = replace(explanation, zero=zero) if told else explanation
+    assert bool(late_by(explanation, choice).late.any()) is not told
 
 
 def test_its_calibration_is_about_where_it_is_on_average_not_at_first():

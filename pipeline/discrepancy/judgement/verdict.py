@@ -146,7 +146,7 @@ def fewer(explanation: Explanation, choice: Choice, structure: Structure) -> Cho
 
 
 def beside_a_rest(explanation: Explanation, choice: Choice, sure: float) -> Choice:
-    """What stays plainly of a choice that leaves a structured rest: no pile of names, or one.
+    """What plainly stays of a choice that leaves a structured rest; if that is a pile, one at most.
 
     sure: mean square of the rest.
     """
