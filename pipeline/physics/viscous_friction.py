@@ -14,6 +14,7 @@ from pipeline.physics.term import Parameter, Surroundings
 
 SHARES, MOST_CYCLES = (0.01, 0.03, 0.1, 0.3), 0.5
 EXPONENTS, POWER = (0.4, 0.7, 1.5), (0.2, 2.0)
+TWO_THINGS, SELDOM = 3.0, 12.0  # damper and spring; of hundreds that also rub dry one has a valve
 
 
 def relaxation_of(around: Surroundings) -> Parameter:
@@ -67,7 +68,7 @@ class ViscousFriction(ForceTerm):
 
     def __init__(self, form: str = "") -> None:
         self.form = form
-        self.unlikely = 3.0 if form == "sprung" else 0.0  # a damper behind a spring is two things
+        self.unlikely = {"sprung": TWO_THINGS, "power": SELDOM}.get(form, 0.0)
         self.also = ("creep", "response_lag") if form == "sprung" else ()
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:

@@ -27,6 +27,7 @@ from pipeline.discrepancy.search.counted import (
 from pipeline.discrepancy.search.cubed import cubed
 from pipeline.discrepancy.search.disguise import with_plain
 from pipeline.discrepancy.search.excited import excited_terms
+from pipeline.discrepancy.search.force_zero import jittering
 from pipeline.discrepancy.search.foretold import foretelling
 from pipeline.discrepancy.search.growth import grown
 from pipeline.discrepancy.search.odd import oddly
@@ -151,6 +152,8 @@ def searched(problem: Problem) -> Explanation:
         near = [c for c in by_names(choices) if c.score < choices[0].score + RIVAL_GAP][:SETTLED]
         still = [resettled(search, c) if any(c is n for n in near) else c for c in choices]
         choices = foretelling(with_slow_terms(search, still))
+    if problem.derivatives is not None:
+        choices = jittering(search, choices)
     choices = with_plain(search, cubed(search, choices))
     outliers = mistaken_rows(problem, choices[0], prior)
     return Explanation(problem, prior, search, choices, outliers, used)
