@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from pipeline.discrepancy.fitting.charge import absurd_calibration
+from pipeline.discrepancy.judgement.borne_out import borne_out
 from pipeline.discrepancy.judgement.cancelling import CANCELLED, cancelling
 from pipeline.discrepancy.judgement.cycle_zero import about_each_zero
 from pipeline.discrepancy.judgement.form import one_for_many
@@ -69,6 +70,7 @@ def decided(problem: Problem, explanation: Explanation) -> Decision:
     """What stays of the best choice, and what rest."""
     best = sure_of_slow(explanation, undisguised(explanation.choices))
     best = unless_nothing(explanation, one_for_many(explanation, best))
+    best = borne_out(problem, explanation, best)
     structure = structure_of(explanation, best)
     base = next(c for c in explanation.choices if not c.fit.pieces)
     if within_accuracy(base, explanation.used):

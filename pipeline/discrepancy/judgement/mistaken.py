@@ -8,6 +8,7 @@ from scipy.special import pdtrc, stdtr
 
 from pipeline.discrepancy.judgement.cycle_zero import about_each_zero
 from pipeline.discrepancy.judgement.loudness import loudness
+from pipeline.discrepancy.judgement.rest import travelled
 from pipeline.discrepancy.judgement.slipping import slipping
 from pipeline.discrepancy.model.intervals import undated
 from pipeline.discrepancy.model.result import Estimate, Evidence, NamedPhysics, root_mean
@@ -42,9 +43,10 @@ def mistaken_frames(
     """Frames that are mistaken, or stale where no name taken says so; None where too few are.
 
     unexplained: whether a structured rest is left: of that a few samples stand off as well, but by
-    less than FAR times the noise, or after steps of other lengths than the rest. None either where
-    they come after waits of other lengths, or beside an old frame nearly all lie between two poses:
-    then they show what was still on its way. Nor where noise with heavy tails throws some as far.
+    less than FAR times the noise, or after steps of other lengths or sooner after reversals than
+    the rest. None either where they come after waits of other lengths, or beside an old frame
+    nearly all lie between two poses: then they show what was still on its way. Nor where noise with
+    heavy tails throws some as far.
     """
     found = share_and_size(explanation)
     if found is None or of_heavy_tails(explanation):
@@ -52,10 +54,9 @@ def mistaken_frames(
     noise = explanation.choices[0].fit.ground.noise.deviation
     few = alone(incredible(explanation)) < FEWEST
     motion = explanation.problem.motion
-    steps, waits = np.abs(np.diff(motion.drive)), np.diff(motion.time_s)
-    if unexplained and (few or found[1].value < FAR * noise or after_some(steps, explanation)):
+    if unexplained and (few or found[1].value < FAR * noise or follow_the_drive(explanation)):
         return None
-    if after_some(waits, explanation) or on_their_way(explanation):
+    if after_some(np.diff(motion.time_s), explanation) or on_their_way(explanation):
         return None
     name = FRAME_LAG if stale(explanation) else "marker_outliers"
     if name in taken:
@@ -218,6 +219,13 @@ def errors_of(explanation: Explanation) -> np.ndarray:
     if fit.ground.noise.jitter == 0.0:
         return off
     return about_each_zero(off, problem.cycle, explanation.used & np.isfinite(off))
+
+
+def follow_the_drive(explanation: Explanation) -> bool:
+    """Whether such rows come after steps of other lengths, or sooner after reversals, than rest."""
+    drive = explanation.problem.motion.drive
+    steps, travel = np.abs(np.diff(drive)), travelled(drive)[1:]
+    return after_some(steps, explanation) or after_some(travel, explanation)
 
 
 def after_some(lengths: np.ndarray, explanation: Explanation) -> bool:
