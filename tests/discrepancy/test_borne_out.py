@@ -26,11 +26,13 @@ def test_a_slip_that_held_out_cycles_know_nothing_of_is_none(by):
     assert [p.name for p in found.physics] == ["friction"]
     assert found.verdict == "partly_explained"
     assert found.after.heldout_rmse < 1.2 * NOISE
+    assert any("lost_steps" in note and "with them in sight" in note for note in found.notes)
 
 
 def test_a_slip_that_stays_is_told():
     found = shifted([7, 8], 1.0)
     assert {p.name for p in found.physics} == {"friction", "lost_steps"}
+    assert not any("in sight" in note for note in found.notes)
     assert found.after.heldout_rmse < 1.2 * NOISE
 
 

@@ -15,6 +15,10 @@ from pipeline.discrepancy.search.explain import Explanation
 from pipeline.discrepancy.search.weighing import Choice, names
 
 FAR = 1.5
+REFUTED = (
+    "Held-out rows are told far better without {names}, which the rows fitted seem to show: it is "
+    "not named, and the held-out error is that of a choice made with them in sight."
+)
 
 
 def borne_out(problem: Problem, explanation: Explanation, best: Choice) -> Choice:
@@ -32,6 +36,11 @@ def borne_out(problem: Problem, explanation: Explanation, best: Choice) -> Choic
     if not errors or FAR * min(errors) > error:
         return best
     return borne_out(problem, explanation, fewer[int(np.argmin(errors))])
+
+
+def refuted_note(refuted: frozenset[str]) -> list[str]:
+    """That names were given up because held-out rows speak against them."""
+    return [REFUTED.format(names=" and ".join(sorted(refuted)))] if refuted else []
 
 
 def foretold(problem: Problem, explanation: Explanation, choice: Choice) -> np.ndarray:

@@ -55,7 +55,8 @@ class Decision:
 
     accurate: whether the simulation's declared accuracy decided. wander: the zero that wanders
     smoothly, where that is all the rest; the explanation is the one beside it then. modelled: the
-    choice that the corrected simulation follows, where another one tells the names.
+    choice that the corrected simulation follows, where another one tells the names. refuted: names
+    that the rows fitted seem to show, but held-out ones do not bear out.
     """
 
     explanation: Explanation
@@ -64,13 +65,19 @@ class Decision:
     accurate: bool = False
     wander: Beside | None = None
     modelled: Choice | None = None
+    refuted: frozenset[str] = frozenset()
 
 
 def decided(problem: Problem, explanation: Explanation) -> Decision:
     """What stays of the best choice, and what rest."""
     best = sure_of_slow(explanation, undisguised(explanation.choices))
     best = unless_nothing(explanation, one_for_many(explanation, best))
-    best = borne_out(problem, explanation, best)
+    borne = borne_out(problem, explanation, best)
+    return replace(judged(problem, explanation, borne), refuted=names(best) - names(borne))
+
+
+def judged(problem: Problem, explanation: Explanation, best: Choice) -> Decision:
+    """What stays of a choice, and what rest."""
     structure = structure_of(explanation, best)
     base = next(c for c in explanation.choices if not c.fit.pieces)
     if within_accuracy(base, explanation.used):
