@@ -23,9 +23,8 @@ def shifted(cycles, by):
 @pytest.mark.parametrize("by", [1.0, -2.0])
 def test_a_slip_that_held_out_cycles_know_nothing_of_is_none(by):
     found = shifted([6, 7], by)
-    assert [p.name for p in found.physics] == ["friction"]
-    assert found.verdict == "partly_explained"
-    assert found.after.heldout_rmse < 1.2 * NOISE
+    assert {p.name for p in found.physics} == {"friction", "drift"}
+    assert found.after.heldout_rmse < 0.5 * abs(by)
     assert any("lost_steps" in note and "with them in sight" in note for note in found.notes)
 
 

@@ -73,7 +73,11 @@ def decided(problem: Problem, explanation: Explanation) -> Decision:
     best = sure_of_slow(explanation, undisguised(explanation.choices))
     best = unless_nothing(explanation, one_for_many(explanation, best))
     borne = borne_out(problem, explanation, best)
-    return replace(judged(problem, explanation, borne), refuted=names(best) - names(borne))
+    refuted = names(best) - names(borne)
+    if refuted:
+        kept = [c for c in explanation.choices if c is not borne and not names(c) & refuted]
+        explanation = replace(explanation, choices=[borne, *kept])
+    return replace(judged(problem, explanation, borne), refuted=refuted)
 
 
 def judged(problem: Problem, explanation: Explanation, best: Choice) -> Decision:
