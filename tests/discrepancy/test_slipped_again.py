@@ -51,3 +51,14 @@ def test_a_slip_in_the_last_held_out_cycle_refutes_no_slips():
     assert names(result) == {"lost_steps"}
     assert result.diagnoses[0].verdict == "explained"
     assert any("slips once more, by 3" in note for note in result.diagnoses[0].notes)
+
+
+def test_a_slip_somewhere_in_held_out_rows_is_said_with_what_the_others_err_by():
+    within = 3.0 + 3.36 * (2 * STEPS + 60)  # of a cycle that lasts from 809 s to 1213 s
+    result = diagnosed(recorded({"lost_steps/once": {"jump": 3.0, "time": within}}))
+    assert names(result) == {"lost_steps"}
+    found = result.diagnoses[0]
+    (said,) = [note for note in found.notes if "somewhere in held-out rows" in note]
+    assert found.after.heldout_rmse > 2.0 * NOISE
+    assert "from 813 s to 1209 s" in said
+    assert "The other held-out rows err by 0.19" in said

@@ -7,6 +7,7 @@ import numpy as np
 from pipeline.discrepancy.fitting.fit import evaluate, improve
 from pipeline.discrepancy.judgement.proof import within
 from pipeline.discrepancy.judgement.rivals import mechanism_of
+from pipeline.discrepancy.judgement.slipped_again import slipped_again
 from pipeline.discrepancy.model.intervals import undated
 from pipeline.discrepancy.model.result import root_mean
 from pipeline.discrepancy.problem.problem import Problem
@@ -55,8 +56,13 @@ def foretold(problem: Problem, explanation: Explanation, choice: Choice) -> np.n
 
 
 def error_on(problem: Problem, choice: Choice, rows: np.ndarray) -> float:
-    """Error of a choice (RMS) on some rows (n,), foretold from the start of the recording."""
+    """Error of a choice (RMS) on some rows (n,), foretold from the start of the recording.
+
+    A slip more after the rows fitted speaks against no name.
+    """
     predicted = mechanism_of(problem, choice).respond(problem.motion)[0]
+    again = slipped_again(problem, choice, predicted)
+    predicted = predicted if again is None else again.predicted
     return root_mean((problem.measured - predicted)[rows] ** 2)
 
 

@@ -5,7 +5,7 @@ import numpy as np
 from pipeline.discrepancy.judgement.calibration_note import calibration_note
 from pipeline.discrepancy.judgement.first_slip import start_note
 from pipeline.discrepancy.judgement.loudness import loud_note
-from pipeline.discrepancy.judgement.slipped_again import slip_note
+from pipeline.discrepancy.judgement.slipped_again import slip_note, undated_note
 from pipeline.discrepancy.judgement.structure import rounded
 from pipeline.discrepancy.judgement.verdict import intolerable
 from pipeline.discrepancy.judgement.walking_zero import walk_in_a_cycle
@@ -70,6 +70,7 @@ def notes(
     else:
         errors, unit = problem.measured - evidence.after, problem.around.angle_unit
         out += slip_note(problem, best, evidence.after)
+        out += undated_note(best, evidence)
         if not rounded(explanation, best):
             out += loud_note(errors, evidence.after, problem.train, unit)
         if every > 1:

@@ -5,6 +5,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from pipeline.discrepancy.judgement.rivals import mechanism_of
+from pipeline.discrepancy.model.intervals import undated
+from pipeline.discrepancy.model.result import Evidence, root_mean
 from pipeline.discrepancy.problem.problem import Problem
 from pipeline.discrepancy.search.weighing import Choice
 from pipeline.number_words import worded
@@ -13,6 +15,7 @@ from pipeline.physics.mechanism import Mechanism
 from pipeline.physics.piece import Piece
 
 SURE, FEWEST, MOST, TURNS, FIRST_JUMP = 10.0, 10, 0.5, 3, 0.01
+WORTH_SAYING = 0.8
 NEARLY, USUAL = 1.25, 1.4826
 
 
@@ -79,4 +82,20 @@ def slip_note(problem: Problem, choice: Choice, predicted: np.ndarray) -> list[s
         f"In held-out rows it slips once more, by {worded(abs(jump))} "
         f"{problem.around.drive_unit} at {worded(time_s)} s: no command foretells that. The "
         "held-out error counts it, the verdict does not."
+    ]
+
+
+def undated_note(choice: Choice, evidence: Evidence) -> list[str]:
+    """That a slip lies somewhere in held-out rows, and how far the others err; else nothing."""
+    off, time_s = evidence.measured - evidence.after, evidence.motion.time_s
+    heldout = evidence.heldout & evidence.used & np.isfinite(off)
+    somewhere = heldout & undated(choice.fit, time_s)
+    error, other = (root_mean(off[rows] ** 2) for rows in (heldout, heldout & ~somewhere))
+    if not somewhere.any() or not other < WORTH_SAYING * error:
+        return []
+    first_s, last_s = time_s[somewhere][[0, -1]]
+    return [
+        f"A slip lies somewhere in held-out rows, from {worded(first_s)} s to {worded(last_s)} s: "
+        "they err by it where it is told too early or too late. The other held-out rows err by "
+        f"{worded(other)}, all of them by {worded(error)}."
     ]
