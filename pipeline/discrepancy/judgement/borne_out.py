@@ -28,13 +28,12 @@ def borne_out(problem: Problem, explanation: Explanation, best: Choice) -> Choic
     Such a name follows in the training rows what is not there in the others: a slip, say, a zero
     that walks away and comes back.
     """
-    rows = foretold(problem, explanation, best)
-    if not rows.any():
-        return best
-    error = error_on(problem, best, rows)
     fewer = [without(explanation, best, name) for name in sorted(names(best))]
+    rows = foretold(problem, explanation, best)
+    if not (fewer and rows.any()):
+        return best
     errors = [error_on(problem, choice, rows) for choice in fewer]
-    if not errors or FAR * min(errors) > error:
+    if FAR * min(errors) > error_on(problem, best, rows):
         return best
     return borne_out(problem, explanation, fewer[int(np.argmin(errors))])
 
