@@ -274,7 +274,7 @@ class ToleranceConfig:
 
 @dataclass
 class HeldoutConfig:
-    """Which rows no fit and no choice sees.
+    """Which rows nothing is fitted to, and no name is chosen by; they may only refute one.
 
     `kind` is `every_third` cycle (the last third of the rows where there are fewer than three
     cycles), `last_third` of the rows, or `after_s`: all rows later than so many seconds after the
