@@ -86,7 +86,7 @@ def diagnose_measurement(
         next_experiment=None,
         notes=(
             *(accuracy_note(explanation, best) if accurate else ()),
-            *refuted_note(decision.refuted - {p.name for p in physics}),
+            *refuted_note(decision.refuted),
             *form_note(formal),
             *without_name(best),
             *notes(problem, explanation, best, evidence, every),

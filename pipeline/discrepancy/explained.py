@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from pipeline.discrepancy.fitting.fit import evaluate, improve
-from pipeline.discrepancy.judgement.decision import predicted_by
+from pipeline.discrepancy.judgement.rivals import predicted_by
 from pipeline.discrepancy.problem.levels import BLURRED
 from pipeline.discrepancy.problem.problem import Problem
 from pipeline.discrepancy.problem.thinning import thinned

@@ -55,12 +55,13 @@ def test_a_zero_that_came_back_in_held_out_rows_is_told_as_one_that_wanders():
     assert {p.name for p in found.physics} == {"friction", "drift"}
     assert all(p.heldout_rmse_without > 0.9 * found.after.heldout_rmse for p in found.physics)
     assert found.after.heldout_rmse < 1.0
+    assert any("Held-out rows refute" in note for note in found.notes)
 
 
 def test_a_name_that_was_given_up_is_noted():
     assert refuted_note(frozenset()) == []
     (said,) = refuted_note(frozenset({"lost_steps", "drift"}))
-    assert "without drift and lost_steps" in said
+    assert "refute the drift and lost_steps that" in said
     assert "in sight" in said
 
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from pipeline.discrepancy.fitting.fit import evaluate, improve
 from pipeline.discrepancy.judgement.proof import within
-from pipeline.discrepancy.judgement.rivals import mechanism_of
+from pipeline.discrepancy.judgement.rivals import predicted_by
 from pipeline.discrepancy.judgement.slipped_again import slipped_again
 from pipeline.discrepancy.model.intervals import undated
 from pipeline.discrepancy.model.result import root_mean
@@ -17,8 +17,8 @@ from pipeline.discrepancy.search.weighing import Choice, names
 
 FAR = 1.5
 REFUTED = (
-    "Held-out rows are told far better without {names}, which the rows fitted seem to show: it is "
-    "not named, and the held-out error is that of a choice made with them in sight."
+    "Held-out rows refute the {names} that the rows fitted seem to show: they are told far better "
+    "without. The held-out error is that of a choice made with them in sight."
 )
 
 
@@ -48,7 +48,7 @@ def foretold(problem: Problem, explanation: Explanation, choice: Choice) -> np.n
 
     Beyond: at commands beyond the range of those that were fitted.
     """
-    predicted = mechanism_of(problem, choice).respond(problem.motion)[0]
+    predicted = predicted_by(problem, choice)
     counted = ~set_aside(problem, predicted, explanation.prior)
     counted &= ~undated(choice.fit, problem.motion.time_s)
     return within(problem, np.isfinite(problem.measured) & counted)
@@ -59,7 +59,7 @@ def error_on(problem: Problem, choice: Choice, rows: np.ndarray) -> float:
 
     A slip more after the rows fitted speaks against no name.
     """
-    predicted = mechanism_of(problem, choice).respond(problem.motion)[0]
+    predicted = predicted_by(problem, choice)
     again = slipped_again(problem, choice, predicted)
     predicted = predicted if again is None else again.predicted
     return root_mean((problem.measured - predicted)[rows] ** 2)

@@ -10,7 +10,7 @@ from pipeline.discrepancy.judgement.cancelling import CANCELLED, cancelling
 from pipeline.discrepancy.judgement.cycle_zero import about_each_zero
 from pipeline.discrepancy.judgement.form import one_for_many
 from pipeline.discrepancy.judgement.proof import counted_errors, disproved, refuted, strained
-from pipeline.discrepancy.judgement.rivals import mechanism_of
+from pipeline.discrepancy.judgement.rivals import predicted_by
 from pipeline.discrepancy.judgement.smooth_wander import (
     Beside,
     smoother_than_a_walk,
@@ -77,10 +77,10 @@ def decided(problem: Problem, explanation: Explanation) -> Decision:
     if refuted:
         kept = [c for c in explanation.choices if c is not borne and not names(c) & refuted]
         explanation = replace(explanation, choices=[borne, *kept])
-    return replace(judged(problem, explanation, borne), refuted=refuted)
+    return replace(decided_on(problem, explanation, borne), refuted=refuted)
 
 
-def judged(problem: Problem, explanation: Explanation, best: Choice) -> Decision:
+def decided_on(problem: Problem, explanation: Explanation, best: Choice) -> Decision:
     """What stays of a choice, and what rest."""
     structure = structure_of(explanation, best)
     base = next(c for c in explanation.choices if not c.fit.pieces)
@@ -205,8 +205,3 @@ def without_repeats(
     kept = foretold_part(explanation.choices, best, rest) if structure.found else best
     mops_up = structure.found and piled(kept)
     return beside_a_rest(explanation, kept, rest) if mops_up else kept, structure
-
-
-def predicted_by(problem: Problem, choice: Choice) -> np.ndarray:
-    """What a choice predicts of every row from the start of the recording, (n,)."""
-    return mechanism_of(problem, choice).respond(problem.motion)[0]

@@ -10,7 +10,7 @@ from pipeline.discrepancy.fitting.fit import Fit, evaluate, improve
 from pipeline.discrepancy.fitting.ground import ground_of
 from pipeline.discrepancy.fitting.moments import moments, moments_of, moved, settle_moments
 from pipeline.discrepancy.fitting.reform import reformed
-from pipeline.discrepancy.judgement.rivals import mechanism_of
+from pipeline.discrepancy.judgement.rivals import predicted_by
 from pipeline.discrepancy.judgement.slipped_again import slipped_again
 from pipeline.discrepancy.model.intervals import moment_interval, undated
 from pipeline.discrepancy.problem.problem import Problem
@@ -47,7 +47,7 @@ def refitted(problem: Problem, explanation: Explanation, choice: Choice) -> Choi
     ground = ground_of(known, fit.ground.noise, problem.train & settled_rows(problem, prior))
     again = None
     if problem.by_row(fit.pieces):
-        answer = mechanism_of(problem, choice).respond(problem.motion)[0]
+        answer = predicted_by(problem, choice)
         again = slipped_again(problem, choice, answer)
     pieces = fit.pieces if again is None else (*fit.pieces, again.piece)
     predicted = evaluate(ground, pieces).predicted

@@ -3,6 +3,8 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
+import numpy as np
+
 from pipeline.discrepancy.fitting.fit import evaluate
 from pipeline.discrepancy.model.model import Hypothesis
 from pipeline.discrepancy.model.zero import zero_at_end
@@ -79,3 +81,8 @@ def mechanism_of(problem: Problem, choice: Choice) -> Mechanism:
         fit.ground.nuisances.error(fit.nuisance),
         problem.course,
     )
+
+
+def predicted_by(problem: Problem, choice: Choice) -> np.ndarray:
+    """What a choice predicts of every row from the start of the recording, (n,)."""
+    return mechanism_of(problem, choice).respond(problem.motion)[0]
