@@ -19,8 +19,9 @@ TRIED, FEW, CLEARLY = 12, 2, 2.0
 def explained(problem: Problem) -> tuple[Problem, Explanation]:
     """The problem of an angle as it suits its explanation best, and that.
 
-    Where the simulation does a little beside its curve, its trace may drive as well, and a lag of
-    its own may come before the joint or behind it: what explains the rest better says it. What
+    Where the simulation does a little beside its curve, its trace may drive as well, a lag of its
+    own may come before the joint or behind it, and friction of its own be at the joint or at the
+    drive: what explains the rest better says it. What
     readings in levels are off on average is known once what they should have read is; then it is
     taken off them.
     """
@@ -39,15 +40,15 @@ def explained(problem: Problem) -> tuple[Problem, Explanation]:
 def otherwise_simulated(problem: Problem, explanation: Explanation) -> Problem | None:
     """The problem with its simulation taken apart in another way, where that may explain more.
 
-    Its trace may drive in place of a curve, or its own lag come last, behind the joint, if some
-    choice is better so.
+    Its trace may drive in place of a curve, its own lag come last, behind the joint, or its own
+    friction be elsewhere, if some choice is better so.
     """
     if not unclear(explanation):
         return None
     if problem.traced is not None:
         return problem.traced
-    last = problem.late_last
-    return last if last is not None and promising(last, explanation) else None
+    other = problem.elsewhere or problem.late_last
+    return other if other is not None and promising(other, explanation) else None
 
 
 def promising(other: Problem, explanation: Explanation) -> bool:

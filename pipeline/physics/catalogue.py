@@ -49,6 +49,8 @@ from pipeline.physics.sheath_force import SheathForce
 from pipeline.physics.sheath_stretch import SheathStretch
 from pipeline.physics.single_bump import SingleBump
 from pipeline.physics.slack import Slack
+from pipeline.physics.slip_spectrum import AT_DRIVE as OF_DRIVE
+from pipeline.physics.slip_spectrum import SlipSpectrum
 from pipeline.physics.smooth_drift import SmoothDrift
 from pipeline.physics.snapping_joint import SnappingJoint
 from pipeline.physics.soft_wire import SoftWire
@@ -85,6 +87,7 @@ PRESSED = tuple(
         "bristle bent loaded",
     )
 )
+SPECTRA = SlipSpectrum(), SlipSpectrum(OF_DRIVE)
 DRIVEN, CARRYING = Friction("driven"), Friction("driven on")
 SPRUNG, LATE_DAMPER = ViscousFriction("sprung"), LateDamper()
 LATE = (ForceLag(), ForceLag(SWINGING), FrameLag(OLD))
@@ -279,7 +282,7 @@ def term(name: str, form: str = "", other_commands: Iterable[str] = ()) -> Term:
     others = tuple(other_commands)
     found = with_richer((*terms(others), *ODD, *force_terms(), *further_force_terms()))
     found += (*SHEATH_FORCES, *PRESSED, SPRUNG, *LATE, WORN, QUEUE, *UNEVEN, *RECURRING, *SKIPS)
-    found += (*RUBBING, CARRYING, LATE_DAMPER, FLANKS)
+    found += (*RUBBING, CARRYING, LATE_DAMPER, FLANKS, *SPECTRA)
     found += [Coupling(f"{channel}{how}") for channel in others for how in (CUBIC, CURVED)]
     same = [t for t in found if t.name == name and form in ("", t.form)]
     if same:

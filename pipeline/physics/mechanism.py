@@ -13,7 +13,7 @@ from pipeline.physics.piece import Piece
 
 @dataclass(frozen=True)
 class OwnCourse:
-    """What a simulation itself has beside its curve: play before that, or a lag.
+    """What a simulation itself has beside its curve: play before that, a lag, friction anywhere.
 
     last: whether a lag comes behind the joint's balance, as a sensor's or a filter's does, not
     before it, as a motor's.
@@ -93,7 +93,7 @@ class Mechanism:
         self, signal: np.ndarray, motion: Motion, before: State, after: dict[str, np.ndarray]
     ) -> np.ndarray:
         """What the simulation makes of a drive that terms have altered, (n,)."""
-        if self.course is None or self.course.last:
+        if self.course is None or self.course.last or self.course.piece.term.in_balance:
             return self.curve(signal)
         if self.course.piece.term.before_curve:
             return self.curve(self._late(signal, motion, before, after))
@@ -126,6 +126,8 @@ class Mechanism:
         after: dict[str, np.ndarray],
     ) -> Trace:
         body, balanced = asked, [p for p in pieces if p.term.in_balance]
+        if self.course is not None and self.course.piece.term.in_balance:
+            balanced.append(self.course.piece)
         if balanced:
             body, states = settle(asked, balanced, motion, self.curve, before.get(BALANCE), before)
             after |= states

@@ -1,5 +1,6 @@
 """A simulation that comes late or goes through play by itself: what is named acts inside of it."""
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -8,8 +9,9 @@ from scipy.signal import lfilter
 
 from pipeline.discrepancy.model.model import as_json, from_json
 from pipeline.discrepancy.problem.course import Course, course_of
-from pipeline.discrepancy.problem.driven import driven_by
+from pipeline.discrepancy.problem.driven import driven_by, static_misfit
 from pipeline.physics.play_operator import play
+from pipeline.physics.slip_spectrum import elements_of
 from pipeline.recording import Recording
 from tests.discrepancy.made import ANGLE, SIMULATED, changed, diagnosed, followed, names, value_of
 
@@ -81,11 +83,61 @@ def rubbed(drive: np.ndarray) -> np.ndarray:
     return out
 
 
-def test_a_curve_that_rubs_by_a_law_of_its_own_is_found_roughly():
+def test_a_curve_of_a_drive_that_rubs_by_a_law_of_its_own_is_found_with_its_sliders():
     found = course(curved(rubbed(DRIVE)))
     assert found is not None
-    assert found.piece.term.name == "friction"
-    assert np.std(found.reproduced - curved(rubbed(DRIVE))) < 4e-3 * np.ptp(DRIVE)
+    assert (found.piece.term.name, found.piece.term.form) == ("friction", "driven spectrum")
+    assert np.std(found.reproduced - curved(rubbed(DRIVE))) < 2e-4 * np.ptp(DRIVE)
+
+
+def held_at_joint(
+    asked: np.ndarray, load: Callable[[float], float] = lambda angle: 0.0
+) -> np.ndarray:
+    """A joint at which four sliders and a load balance what a wire asks for, by bisection."""
+    most, stiff = np.array([0.2, 0.3, 0.3, 0.2]), np.array([0.4, 0.2, 0.08, 0.04])
+    stuck, out = np.full(4, asked[0]), np.empty(len(asked))
+    for i, wanted in enumerate(asked):
+        low, high = -60.0, 60.0
+        while high - low > 1e-10:
+            angle = 0.5 * (low + high)
+            force = np.clip(stiff * (angle - stuck), -most, most).sum()
+            low, high = (low, angle) if angle + force + load(angle) > wanted else (angle, high)
+        out[i] = angle
+        held = np.clip(stiff * (angle - stuck), -most, most)
+        stuck = angle - held / stiff
+    return out
+
+
+HELD = held_at_joint(curved(DRIVE))
+
+
+def test_a_loop_is_no_static_curve_though_all_neighbours_are_of_its_other_cycles():
+    nearly = DRIVE * (1.0 + 1e-12 * np.arange(ROWS))
+    assert static_misfit(nearly, HELD) > 5e-3
+    assert static_misfit(nearly, curved(DRIVE)) < 1e-4
+
+
+def test_a_joint_that_rubs_in_the_simulation_is_found_with_its_sliders():
+    found = course(HELD)
+    assert found is not None
+    places = {c.piece.term.form: c for c in (found, found.otherwise) if c is not None}
+    assert set(places) == {"driven spectrum", "spectrum"}
+    at_joint = places["spectrum"]
+    assert np.std(at_joint.reproduced - HELD) < 4e-4 * np.ptp(HELD)
+    assert elements_of(at_joint.piece.values)[1].sum() == pytest.approx(1.0, rel=0.05)
+
+
+def test_what_is_missing_beside_the_simulations_friction_at_the_joint_meets_it_there():
+    recording = real(HELD, held_at_joint(curved(DRIVE), lambda a: 0.3 * max(a - 9.0, 0.0)))
+    found = diagnosed(recording)
+    assert names(found) == {"contact"}
+    assert found.diagnoses[0].verdict == "explained"
+    assert found.diagnoses[0].after.heldout_rmse < 1.1 * NOISE
+    (model,), (evidence,) = found.models, found.evidence
+    stored = from_json(as_json(model), ["yaw_command_deg"])
+    assert stored.mechanism.course is not None
+    assert stored.mechanism.course.piece.term.form == "spectrum"
+    np.testing.assert_array_equal(stored.predict(evidence.motion)[0], evidence.after)
 
 
 def test_what_is_missing_before_the_simulations_friction_is_put_there():

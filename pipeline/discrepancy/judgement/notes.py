@@ -145,6 +145,8 @@ def course_note(problem: Problem) -> list[str]:
         return []
     piece = problem.course.piece
     where = "before it, at the joint too" if problem.course.last else "inside of it"
+    if piece.term.in_balance:
+        where = "before the joint or beside it there"
     return [
         f"The simulation itself has, of {problem.drive}: "
         f"{piece.term.sentence(piece.values, problem.around)} "

@@ -1,16 +1,21 @@
-"""A simulation's own course: a curve of a command that comes late, creeps, rubs or has play."""
+"""A simulation's own course: a curve of a command that comes late, creeps, rubs or has play.
 
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+Friction may be at the drive or at the joint. Of the latter the joint's angles say what it holds
+back, and so what the curve has to ask for.
+"""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.polynomial import legendre
 from scipy.optimize import minimize
 
+from pipeline.discrepancy.problem.spectrum import spectrum_at_drive, spectrum_at_joint
 from pipeline.physics.arriving_late import LARGEST
 from pipeline.physics.backlash import Backlash
+from pipeline.physics.balance import settle
 from pipeline.physics.creep import Creep
-from pipeline.physics.driven_bank import HEAVIEST, DrivenBank
 from pipeline.physics.friction import Friction
 from pipeline.physics.held import STEP_AND_WAIT_S
 from pipeline.physics.kinematics import SampledCurve
@@ -18,6 +23,7 @@ from pipeline.physics.motion import Motion
 from pipeline.physics.piece import Piece
 from pipeline.physics.response_lag import ResponseLag
 from pipeline.physics.second_order_lag import SecondOrderLag
+from pipeline.physics.slip_spectrum import elements_of, shares_of
 from pipeline.physics.term import Term
 from pipeline.physics.yielding_play import YieldingPlay
 
@@ -28,7 +34,8 @@ SIZES, DAMPINGS = 14, (0.4, 0.7, 1.0)
 SHORTEST, LONGEST, NARROWEST, WIDEST = 0.1, 0.05, 1e-3, 0.4
 QUICKLY, HIGHEST, MOST_DAMPED = 0.2, 6.0, 5.0
 SHARES, SLOWEST = (0.05, 0.2), 0.3
-REACHES, RELEASES, SPREADS = (0.6, 1.2, 2.5), (0.05, 0.8), (0.5, 1.0, 2.0)
+REACHES, RELEASES = (0.6, 1.2, 2.5), (0.05, 0.8)
+AT_END = 0.01
 FINELY = {"maxiter": 160, "xatol": 1e-4, "fatol": 1e-7}
 
 
@@ -36,13 +43,15 @@ FINELY = {"maxiter": 160, "xatol": 1e-4, "fatol": 1e-7}
 class Course:
     """A simulation that is a static curve of a command, and what that goes through besides.
 
-    piece: a lag or creep behind the curve, play or friction before it. reproduced: (n,) all of it.
+    piece: a lag or creep behind the curve, play or friction before it, or friction at the joint.
+    reproduced: (n,) all of it. otherwise: the same with friction at the other of both places.
     """
 
     command: str
     curve: SampledCurve
     piece: Piece
     reproduced: np.ndarray
+    otherwise: "Course | None" = None
 
 
 def course_of(
@@ -59,7 +68,8 @@ def course_of(
     for name, command in commands.items():
         if span == 0.0 or np.ptp(command[known]) == 0.0 or known[-1] + 1 < DEGREE * DEGREE:
             continue
-        trial = Trial(command, time_s, simulated, known)
+        whole = np.interp(np.arange(len(simulated)), known, simulated[known])
+        trial = Trial(command, time_s, whole, settled(known, command))
         alone = BETTER * trial.left(None)
         found = [
             (left, piece)
@@ -68,8 +78,34 @@ def course_of(
         ]
         if found:
             enough = max(PLAINER * min(left for left, _ in found), ALIKE * span)
-            return trial.course(name, next(p for left, p in found if left <= enough))
+            piece = next(p for left, p in found if left <= enough)
+            course = trial.course(name, piece)
+            other = elsewhere(piece, found)
+            return course if other is None else replace(course, otherwise=trial.course(name, other))
     return None
+
+
+def settled(known: np.ndarray, command: np.ndarray) -> np.ndarray:
+    """Those of some rows by which a command (n,) was at both ends, if that is at least half.
+
+    By then what was before the recording is forgotten: the widest motion wipes out all memory of
+    play and friction (Mayergoyz, Mathematical Models of Hysteresis (1991)).
+    """
+    near = AT_END * np.ptp(command[known])
+    ends = command >= command[known].max() - near, command <= command[known].min() + near
+    later = known[known >= max(int(np.argmax(end)) for end in ends)]
+    return later if 2 * len(later) >= len(known) else known
+
+
+def elsewhere(piece: Piece, found: Sequence[tuple[float, Piece]]) -> Piece | None:
+    """Of the pieces found, with what each leaves, the best friction at the other place."""
+    others = [
+        (left, other)
+        for left, other in found
+        if piece.term.name == other.term.name == Friction.name
+        and other.term.in_balance != piece.term.in_balance
+    ]
+    return min(others, key=lambda one: one[0])[1] if others else None
 
 
 def limit_of(piece: Piece) -> float:
@@ -79,7 +115,7 @@ def limit_of(piece: Piece) -> float:
 
 @dataclass(frozen=True)
 class Trial:
-    """A command, time [s] and a simulation, (n,) each; known: rows (indices) to compare."""
+    """A command, time [s] and a simulation without holes, (n,) each; known: rows to compare."""
 
     command: np.ndarray
     time_s: np.ndarray
@@ -101,15 +137,24 @@ class Trial:
         if piece is not None and piece.term.before_curve:
             drive = piece.term.respond(drive, motion, piece.values, None)[0]
         columns = legendre.legvander(self.way(drive), DEGREE)
-        if piece is None or piece.term.before_curve:
+        if piece is None or piece.term.before_curve or piece.term.in_balance:
             return columns
         late = [piece.term.respond(c, motion, piece.values, None)[0] for c in columns.T]
         return np.column_stack(late)
 
+    def wanted(self, piece: Piece | None) -> np.ndarray:
+        """What the curve has to come to in the rows known: more by what holds the joint back."""
+        if piece is None or not piece.term.in_balance:
+            return self.simulated[self.known]
+        reaches, holds = elements_of(piece.values)
+        asked = self.simulated + shares_of(self.simulated, reaches) @ holds
+        return np.asarray(asked[self.known])
+
     def weights(self, piece: Piece | None) -> tuple[np.ndarray, float]:
         """Of the polynomials, those that suit the simulation best, and what they leave (RMS)."""
-        columns = self.columns(piece, slice(0, self.known[-1] + 1))[self.known]
-        wanted = self.simulated[self.known]
+        rows = slice(0, self.known[-1] + 1)
+        columns = self.columns(piece, rows)[self.known]
+        wanted = self.wanted(piece)
         weights = np.linalg.lstsq(columns, wanted, rcond=None)[0]
         return weights, float(np.sqrt(np.mean((wanted - columns @ weights) ** 2)))
 
@@ -137,10 +182,19 @@ class Trial:
             lambda x: np.array([min(x[0], most), min(x[1], MOST_DAMPED), moving]),
         )  # fmt: skip
         yield self.best(Friction("driven"), rubbing(widths, RELEASES), lambda x: within(x, 1.0))
-        yield self.best(DrivenBank(), rubbing(widths, SPREADS), lambda x: within(x, HEAVIEST))
         slow = np.geomspace(max(dwell_s, 1e-9), SLOWEST * max(lasted_s, 1e-9), SIZES // 2)
         parts = np.array([[share, late_s] for share in SHARES for late_s in slow])
         yield self.best(Creep(forms[0]), parts, lambda x: np.array([min(x[0], LARGEST), x[1]]))
+        yield from self.spectra()
+
+    def spectra(self) -> Iterator[Piece]:
+        """The slip elements of friction at the drive and at the joint, if there are any."""
+        angle, drive = self.simulated, self.command
+        place = 2.0 * (angle - angle.min()) / np.ptp(angle) - 1.0
+        curve, inverse = (legendre.legvander(way, DEGREE) for way in (self.way(drive), place))
+        at_joint = spectrum_at_joint(curve, angle, self.known)
+        at_drive = spectrum_at_drive(inverse, drive, self.known)
+        yield from (piece for piece in (at_drive, at_joint) if piece is not None)
 
     def best(
         self, term: Term, starts: np.ndarray, told: Callable[[np.ndarray], np.ndarray]
@@ -162,7 +216,10 @@ class Trial:
         grid = np.linspace(low, high, KNOTS)
         angle = legendre.legval(self.way(grid), weights)
         curve = SampledCurve(low, float(grid[1] - grid[0]), angle)
-        return Course(name, curve, piece, self.columns(piece, slice(None)) @ weights)
+        reproduced = self.columns(piece, slice(None)) @ weights
+        if piece.term.in_balance:
+            reproduced = settle(reproduced, [piece], self.motion, curve, None, {})[0]
+        return Course(name, curve, piece, reproduced)
 
 
 def rubbing(widths: np.ndarray, shapes: tuple[float, ...]) -> np.ndarray:

@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from pipeline.discrepancy.problem.course import Course, course_of
+from pipeline.discrepancy.problem.jumping import rising_rows
 from pipeline.errors import LoopgapError, refusal
 from pipeline.physics.force_units import radian_in
 from pipeline.physics.kinematics import Curve, IdentityCurve, sampled_curve
@@ -110,8 +111,10 @@ def _kin(command: str, measurement: str) -> bool:
 def static_misfit(command: np.ndarray, simulated: np.ndarray) -> float:
     """How far a simulation (n,) is from a static curve of a command (n,), over its range [1].
 
-    The larger of two root mean squares: at equal commands, and of each position from the line
-    between its neighbours. Infinite where either stands still.
+    The largest of three root mean squares: at equal commands, of each position from the line
+    between its neighbours, and of positions on the way up from the line between those on the way
+    down: neighbours may all be of one way, where cycles repeat nearly. Infinite where either stands
+    still.
     """
     span = float(np.ptp(simulated)) if len(simulated) else 0.0
     if len(simulated) < 3 or float(np.ptp(command)) == 0.0:
@@ -128,4 +131,16 @@ def static_misfit(command: np.ndarray, simulated: np.ndarray) -> float:
     middle = np.interp(at[1:-1], at[[0, -1]], mean[[0, -1]])
     left, right = at[1:-1] - at[:-2], at[2:] - at[1:-1]
     middle = (mean[:-2] * right + mean[2:] * left) / (left + right)
-    return max(repeat, float(np.sqrt(np.mean((mean[1:-1] - middle) ** 2)))) / span
+    beside = float(np.sqrt(np.mean((mean[1:-1] - middle) ** 2)))
+    return max(repeat, beside, apart(command, simulated)) / span
+
+
+def apart(command: np.ndarray, simulated: np.ndarray) -> float:
+    """How far positions on the way up are from the line between those on the way down (RMS)."""
+    rising, order = rising_rows(command), np.argsort(command, kind="stable")
+    up, down = order[rising[order]], order[~rising[order]]
+    if not len(down):
+        return 0.0
+    up = up[(command[up] >= command[down[0]]) & (command[up] <= command[down[-1]])]
+    between = np.interp(command[up], command[down], simulated[down])
+    return float(np.sqrt(np.mean((simulated[up] - between) ** 2))) if len(up) else 0.0

@@ -8,6 +8,7 @@ import numpy as np
 
 from pipeline.config import DiagnosisConfig, HeldoutConfig, ToleranceConfig
 from pipeline.discrepancy.problem.counts import uncounted
+from pipeline.discrepancy.problem.course import Course
 from pipeline.discrepancy.problem.driven import DiagnosisError, driven_by
 from pipeline.discrepancy.problem.fitted import LOOSE_GAIN, tolerance_of_fit
 from pipeline.discrepancy.problem.holes import unsettled_rows
@@ -59,7 +60,8 @@ class Problem:
     the simulation surely has beside its curve (a lag, play, ...), see `course.py`. levels: of a
     sensor that reads in such. read: the measurement as it was read, where what readings are off by
     was taken off, see `levels.py`. traced: the same with the simulation's trace as drive, where it
-    does a little beside its curve.
+    does a little beside its curve. elsewhere: the same where the simulation's own friction, which
+    may be at its drive or at its joint, is at the other place.
     """
 
     motion: Motion
@@ -86,6 +88,7 @@ class Problem:
     levels: Levels | None = None
     read: np.ndarray | None = None
     traced: "Problem | None" = None
+    elsewhere: "Problem | None" = None
 
     @property
     def cycle(self) -> np.ndarray:
@@ -99,7 +102,10 @@ class Problem:
     @property
     def late_last(self) -> "Problem | None":
         """The problem with the simulation's own lag behind the joint; None where it has none."""
-        if self.course is None or self.course.piece.term.before_curve:
+        if self.course is None:
+            return None
+        term = self.course.piece.term
+        if term.before_curve or term.in_balance:
             return None
         return replace(self, course=replace(self.course, last=True))
 
@@ -206,15 +212,30 @@ def pose_problem(
     tolerance = tolerance_of_fit(config.tolerance, came, simulated, motion.drive, heldout)
     if replaced is not None:
         tolerance = replace(tolerance, gain=max(tolerance.gain, LOOSE_GAIN))
-    if static and tolerance.shape > config.tolerance.shape:
+    bent = static and tolerance.shape > config.tolerance.shape
+    if bent:
         curve = straightened(curve, motion.drive)
-    return Problem(
+    posed = Problem(
         motion, curve, measured, simulated, train, known & heldout, around, tolerance,
         drive, static, counted=counted, rough=rough, stale=stale, replaced=replaced,
         unsettled=int(unsettled.sum()), own=own,
         course=None if course is None else OwnCourse(course.piece),
         levels=levels_read(came, measured), traced=trace,
     )  # fmt: skip
+    if course is None or course.otherwise is None:
+        return posed
+    return replace(posed, elsewhere=rubbing_elsewhere(posed, course, course.otherwise, bent))
+
+
+def rubbing_elsewhere(posed: Problem, course: Course, other: Course, bent: bool) -> Problem:
+    """A problem of one course of its simulation, with the other; bent: whether any curve may be."""
+    return replace(
+        posed,
+        curve=straightened(other.curve, posed.motion.drive) if bent else other.curve,
+        measured=posed.measured - course.reproduced + other.reproduced,
+        simulated=np.where(np.isfinite(posed.simulated), other.reproduced, np.nan),
+        course=OwnCourse(other.piece),
+    )
 
 
 def smoothed(
