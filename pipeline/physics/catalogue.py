@@ -49,6 +49,7 @@ from pipeline.physics.sheath_force import SheathForce
 from pipeline.physics.sheath_stretch import SheathStretch
 from pipeline.physics.single_bump import SingleBump
 from pipeline.physics.slack import Slack
+from pipeline.physics.slanted_view import SlantedView
 from pipeline.physics.slip_spectrum import AT_DRIVE as OF_DRIVE
 from pipeline.physics.slip_spectrum import SlipSpectrum
 from pipeline.physics.smooth_drift import SmoothDrift
@@ -158,6 +159,7 @@ def terms(other_commands: Iterable[str] = ()) -> tuple[Term, ...]:
         ResponseLag("whole"),
         ResponseLag("running"),
         CameraTilt(),
+        SlantedView(),
         LensDistortion(),
         FrameLag("time"),
         FrameLag(AT_DRIVE),
