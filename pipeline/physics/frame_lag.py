@@ -81,6 +81,10 @@ class FrameLag(Term):
             shares.append(2.0 * shares[-1])
         return dwell * np.array(shares)[:, None]
 
+    def scaled(self, values: np.ndarray, factor: float) -> np.ndarray:
+        """As they are of poses that are held: of a pose held for longer no lag shows anything."""
+        return values if self.form == "held" else super().scaled(values, factor)
+
     def sentence(self, values: np.ndarray, around: Surroundings) -> str:
         if self.form == OLD:
             return f"The force is old: it is that of {worded(values[0])} s before."

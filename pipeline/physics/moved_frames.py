@@ -71,6 +71,9 @@ class MovedFrames(FrameLag):
         ]
         return np.array(rows)
 
+    def scaled(self, values: np.ndarray, factor: float) -> np.ndarray:
+        return values
+
     def instead(self, values: np.ndarray, motion: Motion, around: Surroundings) -> Sequence[Told]:
         """Moves that all take the same time, that of some step here, in place of a steady speed."""
         moves_s = np.quantile(sizes_of_steps(motion), USUAL) / values[1]
