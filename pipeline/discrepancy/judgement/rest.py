@@ -3,6 +3,7 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.polynomial import legendre
 from scipy.special import chdtrc
 
 from pipeline.discrepancy.fitting.fit import Fit, evaluate
@@ -16,7 +17,7 @@ from pipeline.discrepancy.search.refuted import in_common
 from pipeline.discrepancy.search.weighing import Choice
 from pipeline.recording import branch_of, reversals_of
 
-FINE, COARSE, TRAVELS = 24, 5, 12
+FINE, COARSE, TRAVELS, SLOW = 24, 5, 12, 3
 STIFFENING = 1e-3
 DOUBTED, DRAWS = 1e-3, 12
 UNIFORM, HUMPS = 1.8, 4.0
@@ -188,6 +189,7 @@ def curves(problem: Problem) -> dict[str, np.ndarray]:
             out["the gain in each cycle"] = np.column_stack(
                 [size * (cycle == c)[:, None] for c in numbers]
             )
+        out["the gain, which changes with time"] = drive[:, None] * slow_changes(motion.time_s)
         travel = travelled(drive)
         out["the travel since the last reversal"] = np.column_stack(
             [hats(np.sqrt(travel), TRAVELS) * w[:, None] for w in ways]
@@ -197,6 +199,12 @@ def curves(problem: Problem) -> dict[str, np.ndarray]:
             moving = branch_of(other) > 0
             out[name] = np.column_stack([hats(other, 8) * w[:, None] for w in (moving, ~moving)])
     return out
+
+
+def slow_changes(time_s: np.ndarray) -> np.ndarray:
+    """Legendre polynomials of time (n,) from the first order on, (n, SLOW)."""
+    since = (time_s - time_s[0]) / max(float(time_s[-1] - time_s[0]), 1e-300)
+    return legendre.legvander(2.0 * since - 1.0, SLOW)[:, 1:]
 
 
 def travelled(drive: np.ndarray) -> np.ndarray:
