@@ -88,9 +88,10 @@ def relay(signal: np.ndarray, lower: float, upper: float) -> np.ndarray:
 
 @pytest.mark.parametrize("height", [1.2, -2.5])
 @pytest.mark.parametrize("hidden", [{}, {"creep": {}}], ids=["alone", "beside creep"])
+@pytest.mark.parametrize("seed", [2, 3])
 @pytest.mark.long
-def test_a_joint_that_snaps_has_no_name_but_a_place_and_a_size(hidden, height):
-    recording = recorded(hidden, seed=2)
+def test_a_joint_that_snaps_has_no_name_but_a_place_and_a_size(seed, hidden, height):
+    recording = recorded(hidden, seed=seed)
     snaps = 0.5 * height * relay(recording.values(SIMULATED), -12.0, 9.0)
     result = diagnosed(changed(recording, **{ANGLE: recording.values(ANGLE) + snaps}))
     (found,) = result.diagnoses

@@ -5,9 +5,10 @@ from itertools import combinations
 
 from pipeline.discrepancy.fitting.fit import ITERATIONS, evaluate, improve
 from pipeline.discrepancy.fitting.screen import screen, started
-from pipeline.discrepancy.search.choose import allowed, by_term
+from pipeline.discrepancy.search.choose import allowed, by_term, extended
 from pipeline.discrepancy.search.polish import polished
 from pipeline.discrepancy.search.refuted import not_noise, worth_a_polish
+from pipeline.discrepancy.search.snapped import snapped_into_place
 from pipeline.discrepancy.search.weighing import (
     LEAST_GAIN,
     Choice,
@@ -46,12 +47,15 @@ def oddly(search: Search, choices: list[Choice]) -> list[Choice]:
     for rest in kept.values():
         fit = improve(evaluate(ground, rest), STEPS)
         for leads in by_term(screen(fit, other.effects, allowed(shown, fit), quick=True)):
-            trial = improve(started(fit, leads), STEPS)
+            trial = snapped_into_place(improve(started(fit, leads), STEPS))
             if search.hoped(trial, best.place) < best.score + NEAR:
                 found.append(search.weighed(improve(trial, 2 * ITERATIONS), best.place))
     more = best_of_each([*choices, *found])
-    if more[0].score < best.score - LEAST_GAIN and worth_a_polish(search, more[0], best):
-        more = polished(search, more)
+    if more[0].score < best.score - LEAST_GAIN:
+        if not worth_a_polish(search, more[0], best):
+            more = best_of_each([*more, *extended(search, more[0])])
+        if worth_a_polish(search, more[0], best):
+            more = polished(search, more)
     return [c for c in more if not may_mop_up(c, best)]
 
 
