@@ -71,8 +71,16 @@ class SoftWire(Compliance):
         """
         if self.form == "toe":
             return self.name
-        reach, stretch, stiffness = values[1:4]
-        return "slack" if reach * stiffness / (stiffness + stretch) < shown.step else self.name
+        return "slack" if self.given_way(values, values[1]) < shown.step else self.name
+
+    def may_be_itself(self, values: np.ndarray, around: Surroundings, shown: Shown) -> bool:
+        """Where the wire may as well give way over more than a step."""
+        return self.form != "toe" and self.given_way(values, shown.most(1)) > shown.step
+
+    def given_way(self, values: np.ndarray, reach: float) -> float:
+        """How far the wire stretches within a reach of the joint [angle unit]."""
+        stretch, stiffness = values[2:4]
+        return float(reach * stiffness / (stiffness + stretch))
 
     def instead(self, values: np.ndarray, motion: Motion, around: Surroundings) -> Sequence[Told]:
         """Slack that loses as much, where that is soon lost: at the joint, or of the drive."""

@@ -70,6 +70,19 @@ def test_a_staircase_that_is_followed_late_and_with_play_is_no_encoder() -> None
         assert followed is stairs
 
 
+def test_stairs_of_equal_length_are_no_encoder_though_the_joint_is_far_too_slow_to_show_them() -> (
+    None
+):
+    """A probe told to go on by 0.8 deg every seven rows comes after it by five rows, and bends."""
+    turns = np.abs((np.arange(300) + 10) % 42 - 21.0)
+    stairs = 0.8 * np.repeat(turns, 7)
+    late = lfilter([0.18], [1.0, -0.82], stairs)
+    late = late + 2e-3 * late**2 + noise(0.02)[: len(stairs)]
+    followed, quantum = smooth_motion(stairs, late)
+    assert quantum == 0.0
+    np.testing.assert_array_equal(followed, stairs)
+
+
 def test_the_noise_of_a_measured_command_is_no_lag_behind_it() -> None:
     rough = MOVED + noise(0.3)
     assert noise_of_motion(rough) == pytest.approx(0.3, rel=0.1)

@@ -1,5 +1,8 @@
 """What gives way with the bend, against what can be worked out by hand."""
 
+from collections.abc import Sequence
+from dataclasses import dataclass
+
 import numpy as np
 import pytest
 
@@ -8,6 +11,7 @@ from pipeline.physics.contact import Contact
 from pipeline.physics.mechanism import Mechanism
 from pipeline.physics.motion import Motion
 from pipeline.physics.piece import Piece
+from pipeline.physics.soft_wire import SoftWire
 from pipeline.physics.softer_side import SofterSide
 from pipeline.physics.stiffening_joint import StiffeningJoint
 from pipeline.physics.term import Surroundings
@@ -52,3 +56,28 @@ def test_a_contact_beyond_which_a_wire_hangs_slack_may_be_the_softer_wire():
     ((softer, values),) = told
     assert (softer.name, softer.form) == ("compliance", "lower")
     assert values[2] >= softer.parameters(AROUND)[2].low
+
+
+@dataclass(frozen=True)
+class Known:
+    """What is shown of a soft wire: its reach to some accuracy, where a step goes 1.0."""
+
+    longest: float
+    step: float = 1.0
+
+    def worth(self, size: int, course: Sequence[int] = ()) -> bool:
+        return True
+
+    def most(self, size: int, course: Sequence[int] = ()) -> float:
+        return self.longest
+
+    def sharp(self, reach: int) -> bool:
+        return False
+
+
+@pytest.mark.parametrize(("form", "longest", "may"), [("wire", 1.5, True), ("wire", 0.9, False),
+                                                      ("toe", 1.5, False)])  # fmt: skip
+def test_a_wire_that_looks_slack_may_be_soft_where_it_may_reach_over_a_step(form, longest, may):
+    values, shown = np.array([0.3, 0.8, 0.0, 0.1]), Known(longest)
+    assert SoftWire(form).plainer(values, shown) == ("compliance" if form == "toe" else "slack")
+    assert SoftWire(form).may_be_itself(values, AROUND, shown) == may

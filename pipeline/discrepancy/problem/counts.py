@@ -17,7 +17,7 @@ STIFFNESSES, FEW_OUTSIDE = 4.0 ** np.arange(16), 0.01
 SECOND = (1.0, -2.0, 1.0)
 LAGS, SHORTEST, STEPS = 2.0 ** np.arange(-2, 8), 1e-2, 60
 PLAYS = np.array([0.0, 0.25, 0.5, 1.0, 2.0, 4.0])
-NEARER = 0.9
+NEARER, ALL_ALIKE = 0.9, 0.85
 
 
 def quantum_of(values: np.ndarray) -> float:
@@ -68,12 +68,14 @@ def smooth_motion(counted: np.ndarray, measured: np.ndarray) -> tuple[np.ndarray
 
     measured: (n,), NaN where not measured. It tells an encoder that counts what moves, from a motor
     that goes in steps: then the measurement goes in the same steps, at once or some rows later, or
-    is nearer to them behind some lag and play than to the smooth motion behind any. The step is 0.0
-    where the command is left as it is.
+    is nearer to them behind some lag and play than to the smooth motion behind any. So do counts
+    that each stay for as many rows. The step is 0.0 where the command is left as it is.
     """
     quantum = quantum_of(counted)
     few = float(np.ptp(counted)) < FEWEST_LEVELS * quantum
     if quantum == 0.0 or few or np.mean(np.diff(counted) == 0.0) < OFTEN_EQUAL:
+        return counted, 0.0
+    if stairs(counted):
         return counted, 0.0
     smooth = between_counts(counted, quantum)
     followed = may_follow(counted - smooth, smooth, measured) or (
@@ -81,6 +83,15 @@ def smooth_motion(counted: np.ndarray, measured: np.ndarray) -> tuple[np.ndarray
         < NEARER * left_behind_lag(smooth, measured, quantum)
     )
     return (counted, 0.0) if followed else (smooth, quantum)
+
+
+def stairs(values: np.ndarray) -> bool:
+    """Whether nearly each of values (n,) stays for the same number of rows, as one commanded does.
+
+    A motion that is counted would have to go at one speed, and that in whole rows a count.
+    """
+    stays = np.diff(np.flatnonzero(np.diff(values, prepend=np.nan) != 0.0))
+    return bool(len(stays) and np.mean(stays == np.median(stays)) > ALL_ALIKE)
 
 
 def left_behind_lag(drive: np.ndarray, measured: np.ndarray, quantum: float) -> float:
