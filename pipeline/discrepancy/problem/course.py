@@ -79,6 +79,8 @@ def course_of(
         if found:
             enough = max(PLAINER * min(left for left, _ in found), ALIKE * span)
             piece = next(p for left, p in found if left <= enough)
+            if piece.term.name == Friction.name:
+                piece = rubbing_one(found)
             course = trial.course(name, piece)
             other = elsewhere(piece, found)
             return course if other is None else replace(course, otherwise=trial.course(name, other))
@@ -95,6 +97,13 @@ def settled(known: np.ndarray, command: np.ndarray) -> np.ndarray:
     ends = command >= command[known].max() - near, command <= command[known].min() + near
     later = known[known >= max(int(np.argmax(end)) for end in ends)]
     return later if 2 * len(later) >= len(known) else known
+
+
+def rubbing_one(found: Sequence[tuple[float, Piece]]) -> Piece:
+    """Of the pieces found, with what each leaves, the first friction that leaves about the least."""
+    ones = [(left, p) for left, p in found if p.term.name == Friction.name]
+    least = min(left for left, _ in ones)
+    return next(p for left, p in ones if left <= PLAINER * least)
 
 
 def elsewhere(piece: Piece, found: Sequence[tuple[float, Piece]]) -> Piece | None:
