@@ -100,7 +100,7 @@ def settled(known: np.ndarray, command: np.ndarray) -> np.ndarray:
 
 
 def rubbing_one(found: Sequence[tuple[float, Piece]]) -> Piece:
-    """Of the pieces found, with what each leaves, the first friction that leaves about the least."""
+    """Of the pieces found, with what each leaves, the first friction that leaves about least."""
     ones = [(left, p) for left, p in found if p.term.name == Friction.name]
     least = min(left for left, _ in ones)
     return next(p for left, p in ones if left <= PLAINER * least)
