@@ -9,7 +9,7 @@ from pipeline.physics.term import Parameter, Surroundings
 STEP_AND_WAIT_S = 1.0  # a robot that is sampled no more often steps and waits
 DENSE = 200
 LAGS = (0.3, 0.7, 1.5, 4.0)
-UNEVEN = 0.01
+UNEVEN, UNEVEN_WAITS = 0.05, 0.01
 
 
 def dwells(motion: Motion, last_time: float) -> np.ndarray:
@@ -18,9 +18,13 @@ def dwells(motion: Motion, last_time: float) -> np.ndarray:
 
 
 def uneven(time_s: np.ndarray) -> bool:
-    """Whether samples (n,) follow each other so unevenly that counting them is no clock."""
+    """Whether samples (n,) follow each other so unevenly that counting them is no clock.
+
+    Of a robot that steps and waits a little is enough: a pose that is held longer is older.
+    """
     gaps = np.diff(time_s)
-    return bool(np.std(gaps) > UNEVEN * np.mean(gaps))
+    waits = len(gaps) > 0 and np.median(gaps) >= STEP_AND_WAIT_S
+    return bool(np.std(gaps) > (UNEVEN_WAITS if waits else UNEVEN) * np.mean(gaps))
 
 
 def usual_lag_s(around: Surroundings) -> float:

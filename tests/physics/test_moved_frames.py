@@ -56,13 +56,15 @@ def test_an_old_frame_of_a_robot_that_moves_at_its_speed_is_told():
 
 
 def test_an_old_frame_of_a_pose_that_was_held_is_told_where_waits_hardly_differ():
-    """A sine in steps of 1 s, give or take 25 ms, each move of which takes 0.7 s."""
+    """A sine in steps of 1.2 s, give or take 2 %, each move of which takes 0.8 s."""
     rng = np.random.default_rng(3)
-    time_s = np.cumsum(1.0 + 0.025 * rng.uniform(-1.7, 1.7, 1500))
+    time_s = 1.2 * np.cumsum(1.0 + 0.025 * rng.uniform(-1.7, 1.7, 1500))
     drive = 29.0 * np.cos(2.0 * np.pi * np.arange(1500) / 188.0)
-    reached = np.concatenate([time_s[:1], np.column_stack([time_s[:-1] + 0.7, time_s[1:]]).ravel()])
+    reached = np.concatenate(
+        [time_s[:1], np.column_stack([time_s[:-1] + 0.84, time_s[1:]]).ravel()]
+    )
     poses = np.concatenate([drive[:1], np.repeat(drive[1:], 2)])
-    seen = np.interp(time_s - 0.7, reached, poses) + 0.036 * rng.standard_normal(1500)
+    seen = np.interp(time_s - 0.84, reached, poses) + 0.036 * rng.standard_normal(1500)
     motion = Motion(drive, time_s, np.zeros(1500, dtype=int))
     result = diagnosed_beside_its_commands(motion, seen)
     assert names(result) == {"frame_lag"}

@@ -6,6 +6,7 @@ back, and so what the curve has to ask for.
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.polynomial import legendre
@@ -69,7 +70,7 @@ def course_of(
         if span == 0.0 or np.ptp(command[known]) == 0.0 or known[-1] + 1 < DEGREE * DEGREE:
             continue
         whole = np.interp(np.arange(len(simulated)), known, simulated[known])
-        trial = Trial(command, time_s, whole, settled(known, command))
+        trial = Trial(command, time_s, whole, known)
         alone = BETTER * trial.left(None)
         found = [
             (left, piece)
@@ -85,18 +86,6 @@ def course_of(
             other = elsewhere(piece, found)
             return course if other is None else replace(course, otherwise=trial.course(name, other))
     return None
-
-
-def settled(known: np.ndarray, command: np.ndarray) -> np.ndarray:
-    """Those of some rows by which a command (n,) was at both ends, if that is at least half.
-
-    By then what was before the recording is forgotten: the widest motion wipes out all memory of
-    play and friction (Mayergoyz, Mathematical Models of Hysteresis (1991)).
-    """
-    near = AT_END * np.ptp(command[known])
-    ends = command >= command[known].max() - near, command <= command[known].min() + near
-    later = known[known >= max(int(np.argmax(end)) for end in ends)]
-    return later if 2 * len(later) >= len(known) else known
 
 
 def rubbing_one(found: Sequence[tuple[float, Piece]]) -> Piece:
@@ -124,12 +113,30 @@ def limit_of(piece: Piece) -> float:
 
 @dataclass(frozen=True)
 class Trial:
-    """A command, time [s] and a simulation without holes, (n,) each; known: rows to compare."""
+    """A command, time [s] and a simulation without holes, (n,) each; known: rows that it has."""
 
     command: np.ndarray
     time_s: np.ndarray
     simulated: np.ndarray
     known: np.ndarray
+
+    @cached_property
+    def settled(self) -> np.ndarray:
+        """The rows known by which the command was at both ends, if that is at least half of them.
+
+        By then friction has forgotten what was before the recording: the widest motion wipes out
+        all that it remembers (Mayergoyz, Mathematical Models of Hysteresis (1991)).
+        """
+        command, near = self.command, AT_END * np.ptp(self.command[self.known])
+        low, high = command[self.known].min(), command[self.known].max()
+        first = max(int(np.argmax(end)) for end in (command >= high - near, command <= low + near))
+        later = self.known[self.known >= first]
+        return later if 2 * len(later) >= len(self.known) else self.known
+
+    def compared(self, piece: Piece | None) -> np.ndarray:
+        """The rows that a piece has to suit."""
+        rubs = piece is not None and piece.term.name == Friction.name
+        return self.settled if rubs else self.known
 
     @property
     def motion(self) -> Motion:
@@ -152,18 +159,17 @@ class Trial:
         return np.column_stack(late)
 
     def wanted(self, piece: Piece | None) -> np.ndarray:
-        """What the curve has to come to in the rows known: more by what holds the joint back."""
+        """What the curve has to come to, (n,): at the joint more by what holds that back."""
         if piece is None or not piece.term.in_balance:
-            return self.simulated[self.known]
+            return self.simulated
         reaches, holds = elements_of(piece.values)
-        asked = self.simulated + shares_of(self.simulated, reaches) @ holds
-        return np.asarray(asked[self.known])
+        return np.asarray(self.simulated + shares_of(self.simulated, reaches) @ holds)
 
     def weights(self, piece: Piece | None) -> tuple[np.ndarray, float]:
         """Of the polynomials, those that suit the simulation best, and what they leave (RMS)."""
-        rows = slice(0, self.known[-1] + 1)
-        columns = self.columns(piece, rows)[self.known]
-        wanted = self.wanted(piece)
+        rows = self.compared(piece)
+        columns = self.columns(piece, slice(0, self.known[-1] + 1))[rows]
+        wanted = self.wanted(piece)[rows]
         weights = np.linalg.lstsq(columns, wanted, rcond=None)[0]
         return weights, float(np.sqrt(np.mean((wanted - columns @ weights) ** 2)))
 
@@ -201,8 +207,8 @@ class Trial:
         angle, drive = self.simulated, self.command
         place = 2.0 * (angle - angle.min()) / np.ptp(angle) - 1.0
         curve, inverse = (legendre.legvander(way, DEGREE) for way in (self.way(drive), place))
-        at_joint = spectrum_at_joint(curve, angle, self.known)
-        at_drive = spectrum_at_drive(inverse, drive, self.known)
+        at_joint = spectrum_at_joint(curve, angle, self.settled)
+        at_drive = spectrum_at_drive(inverse, drive, self.settled)
         yield from (piece for piece in (at_drive, at_joint) if piece is not None)
 
     def best(
