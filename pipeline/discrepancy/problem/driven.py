@@ -112,7 +112,7 @@ def static_misfit(command: np.ndarray, simulated: np.ndarray) -> float:
     """How far a simulation (n,) is from a static curve of a command (n,), over its range [1].
 
     The largest of three root mean squares: at equal commands, of each position from the line
-    between its neighbours, and of positions on the way up from the line between those on the way
+    between its neighbours, and of positions on the way up from the middle between them and the way
     down: neighbours may all be of one way, where cycles repeat nearly. Infinite where either stands
     still.
     """
@@ -132,7 +132,7 @@ def static_misfit(command: np.ndarray, simulated: np.ndarray) -> float:
     left, right = at[1:-1] - at[:-2], at[2:] - at[1:-1]
     middle = (mean[:-2] * right + mean[2:] * left) / (left + right)
     beside = float(np.sqrt(np.mean((mean[1:-1] - middle) ** 2)))
-    return max(repeat, beside, apart(command, simulated)) / span
+    return max(repeat, beside, 0.5 * apart(command, simulated)) / span
 
 
 def apart(command: np.ndarray, simulated: np.ndarray) -> float:
