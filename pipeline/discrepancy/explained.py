@@ -21,9 +21,8 @@ def explained(problem: Problem) -> tuple[Problem, Explanation]:
 
     Where the simulation does a little beside its curve, its trace may drive as well, a lag of its
     own may come before the joint or behind it, and friction of its own be at the joint or at the
-    drive: what explains the rest better says it. What
-    readings in levels are off on average is known once what they should have read is; then it is
-    taken off them.
+    drive: what explains the rest better says it. What readings in levels are off on average is
+    known once what they should have read is; then it is taken off them.
     """
     explanation = explain(thinned(problem)[0])
     other = otherwise_simulated(problem, explanation)

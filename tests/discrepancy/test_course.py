@@ -138,6 +138,10 @@ def test_what_is_missing_beside_the_simulations_friction_at_the_joint_meets_it_t
     assert stored.mechanism.course is not None
     assert stored.mechanism.course.piece.term.form == "spectrum"
     np.testing.assert_array_equal(stored.predict(evidence.motion)[0], evidence.after)
+    begun, state = stored.mechanism.respond(evidence.motion.rows(np.arange(900)))
+    on, _ = stored.mechanism.respond(evidence.motion.rows(np.arange(900, ROWS)), state)
+    whole = stored.mechanism.respond(evidence.motion)[0]
+    np.testing.assert_allclose(np.concatenate([begun, on]), whole, atol=1e-6)
 
 
 def test_what_is_missing_before_the_simulations_friction_is_put_there():

@@ -22,29 +22,48 @@ def noise_of(cycle: np.ndarray, jitter: float, rng: np.random.Generator) -> np.n
     return NOISE * (slow + jitter * rng.standard_normal(int(cycle.max()) + 1)[cycle])
 
 
-@pytest.mark.parametrize(("seed", "bump"), [(6, 0.0), (7, 0.0), (6, 0.4), (7, 0.4)])
-def test_noise_that_is_slow_and_jitters_is_no_structure_of_the_cycles(seed: int, bump: float):
-    rng = np.random.default_rng(seed)
+def drawn(rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
+    """A drive that goes back and forth at random, and its cycles of 200 samples, (n,) each."""
     drive = strokes(rng.uniform(15.0, 50.0, 72) * (-1.0) ** np.arange(72), 25)
-    cycle = np.arange(len(drive)) // 200
-    structure = bump * np.sin(drive / 8.0) * (cycle % 3 == 0)
-    seen = 1.01 * drive + 0.3 + noise_of(cycle, 0.5, rng) + structure
+    return drive, np.arange(len(drive)) // 200
+
+
+def chances(drive: np.ndarray, seen: np.ndarray) -> dict[str, float]:
+    """What each family of curves finds beside calibration, as p-values."""
     problem = posed(followed(3.0 * np.arange(len(drive)), drive, seen, 1.0 / 600.0))
     ground = ground_of(problem, NoiseModel(0.05, 0.14, CORRELATION), problem.train)
     plain = Choice(evaluate(ground, ()), (0, 0, 0), 0.0)
     family = explanation_of([plain]).search.family
     noise, place = family.pick(problem.measured - plain.fit.predicted, plain.place)
     calibrated = Choice(evaluate(ground.with_noise(noise), ()), place, 0.0)
-    rests = {r.where: r.p_value for r in structured_rest(calibrated, family)}
-    assert (rests["the cycle"] < DOUBTED) == (bump > 0.0)
+    return {r.where: r.p_value for r in structured_rest(calibrated, family)}
+
+
+@pytest.mark.parametrize(("seed", "bump"), [(6, 0.0), (7, 0.0), (6, 0.4), (7, 0.4)])
+def test_noise_that_is_slow_and_jitters_is_no_structure_of_the_cycles(seed: int, bump: float):
+    rng = np.random.default_rng(seed)
+    drive, cycle = drawn(rng)
+    structure = bump * np.sin(drive / 8.0) * (cycle % 3 == 0)
+    seen = 1.01 * drive + 0.3 + noise_of(cycle, 0.5, rng) + structure
+    assert (chances(drive, seen)["the cycle"] < DOUBTED) == (bump > 0.0)
+
+
+@pytest.mark.parametrize("lost", [0.0, 0.01])
+def test_a_gain_that_falls_is_surer_over_all_cycles_than_in_each(lost: float):
+    rng = np.random.default_rng(9)
+    drive, cycle = drawn(rng)
+    gain = 1.01 - lost * np.arange(len(drive)) / len(drive)
+    found = chances(drive, gain * drive + 0.3 + noise_of(cycle, 0.0, rng))
+    assert (found["the gain, which changes with time"] < 1e-7) == (lost > 0.0)
+    assert found["the gain in each cycle"] > 1e-6
 
 
 def test_noise_that_is_drawn_is_as_its_model_says():
     cycle, still = np.arange(40000) // 100, np.zeros(40000, dtype=bool)
     model = NoiseModel(white=0.1, correlated=0.3, correlation=0.7, jitter=0.5)
-    drawn = model.drawn(cycle, still, np.random.default_rng(1)).reshape(-1, 100)
-    means = drawn.mean(axis=1)
-    own = drawn - means[:, None]
+    noise = model.drawn(cycle, still, np.random.default_rng(1)).reshape(-1, 100)
+    means = noise.mean(axis=1)
+    own = noise - means[:, None]
     assert np.std(means) == pytest.approx(0.5, rel=0.1)
     assert np.std(own) == pytest.approx(model.deviation, rel=0.1)
     assert np.mean(own[:, 1:] * own[:, :-1]) == pytest.approx(0.7 * 0.3**2, rel=0.15)
