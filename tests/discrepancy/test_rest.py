@@ -1,13 +1,23 @@
 """What flexible curves find in a residual, and what they find in noise alone."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from pipeline.discrepancy.fitting.fit import evaluate
 from pipeline.discrepancy.fitting.ground import ground_of
-from pipeline.discrepancy.judgement.rest import DOUBTED, structured_rest
+from pipeline.discrepancy.judgement.rest import (
+    DOUBTED,
+    common_size,
+    repeated_rest,
+    structured_rest,
+)
+from pipeline.discrepancy.judgement.structure import of_repeats
+from pipeline.discrepancy.noise.learning import learn_noise
 from pipeline.discrepancy.noise.noise import NoiseModel
 from pipeline.discrepancy.search.weighing import Choice
+from pipeline.physics.play_operator import play
 from tests.discrepancy.made import explanation_of, followed, posed, strokes
 
 CORRELATION, NOISE = 0.85, 0.15
@@ -56,6 +66,28 @@ def test_a_gain_that_falls_is_surer_over_all_cycles_than_in_each(lost: float):
     found = chances(drive, gain * drive + 0.3 + noise_of(cycle, 0.0, rng))
     assert (found["the gain, which changes with time"] < 1e-7) == (lost > 0.0)
     assert found["the gain in each cycle"] > 1e-6
+
+
+@pytest.mark.parametrize(("ahead", "strain"), [(0.1, 16.0), (0.1, 0.0), (0.0, 16.0)])
+def test_a_zero_does_not_walk_alike_in_each_cycle(ahead: float, strain: float):
+    """A loop that runs ahead in cycles of many small steps, which a walk takes for its own."""
+    drive = strokes(np.tile([8.0, 0.0], 7), 191)
+    loop = ahead * (drive - play(drive, 0.32, 0.0)) / 0.32
+    fresh = 0.05 * np.random.default_rng(4).standard_normal(len(drive))
+    seen = 1.01 * drive + 0.3 + loop + fresh
+    problem = posed(followed(1.73 * np.arange(len(drive)), drive, seen, 1.0 / (1.73 * 382)))
+    prior = learn_noise(problem)
+    walking = replace(prior.model, walk=0.04)
+    choice = Choice(evaluate(ground_of(problem, walking, problem.train), ()), (0, 0, 0), 0.0)
+    found = explanation_of([choice])
+    family = found.search.family
+    family = replace(family, prior=prior, strain=np.full_like(family.strain, strain))
+    found = replace(found, prior=prior, search=replace(found.search, family=family))
+    assert repeated_rest(choice, prior).size < 0.5 * walking.deviation
+    size = common_size(choice, prior)
+    assert size == pytest.approx(np.std(loop), abs=0.02)
+    sign = of_repeats(found, choice)
+    assert (sign is not None) == (ahead > 0.0 and strain > 0.0)
 
 
 def test_noise_that_is_drawn_is_as_its_model_says():

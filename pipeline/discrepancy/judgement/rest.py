@@ -13,7 +13,7 @@ from pipeline.discrepancy.noise.hats import hats
 from pipeline.discrepancy.noise.learning import NoisePrior
 from pipeline.discrepancy.noise.noise import NoiseModel
 from pipeline.discrepancy.problem.problem import Problem
-from pipeline.discrepancy.search.refuted import in_common
+from pipeline.discrepancy.search.refuted import FEWEST_AGAIN, in_common
 from pipeline.discrepancy.search.weighing import Choice
 from pipeline.recording import branch_of, reversals_of
 
@@ -130,6 +130,28 @@ def repeated_rest(choice: Choice, prior: NoisePrior) -> Rest:
     excess = max(gain - freedom, 0.0) / max(count, 1)
     size = choice.fit.ground.noise.deviation * float(np.sqrt(excess))
     return Rest("each cycle alike", gain, freedom, float(chdtrc(max(freedom, 1), gain)), size)
+
+
+def common_size(choice: Choice, prior: NoisePrior) -> float:
+    """What cycles that repeat have in common in a residual, each about its mean, beyond chance.
+
+    Root mean square [measurement's unit], whatever the noise is taken for: one that walks takes
+    what comes again in each cycle for its own, where steps are many and small.
+    """
+    ground = choice.fit.ground
+    off = np.where(ground.used, ground.problem.measured - choice.fit.predicted, np.nan)
+    common = apart = 0.0
+    count = 0
+    for rows in prior.groups:
+        values = np.where(rows >= 0, off[rows], np.nan)
+        values -= np.nanmean(values, axis=1, keepdims=True)
+        times = np.isfinite(values).sum(axis=0)
+        again = times >= FEWEST_AGAIN
+        mean = np.nanmean(values[:, again], axis=0)
+        common += float(np.sum(times[again] * mean**2))
+        apart += float(np.nansum((values[:, again] - mean) ** 2 / (times[again] - 1.0)))
+        count += int(times[again].sum())
+    return float(np.sqrt(max(common - apart, 0.0) / max(count, 1)))
 
 
 def two_valued(fit: Fit) -> bool:

@@ -16,12 +16,19 @@ from pipeline.discrepancy.judgement.holding import held_by_chance
 from pipeline.discrepancy.judgement.hum import hum
 from pipeline.discrepancy.judgement.mistaken import FEWEST, after_others, incredible, late_by
 from pipeline.discrepancy.judgement.recurrence import foretold_share
-from pipeline.discrepancy.judgement.rest import Rest, repeated_rest, structured_rest, two_valued
+from pipeline.discrepancy.judgement.rest import (
+    Rest,
+    common_size,
+    repeated_rest,
+    structured_rest,
+    two_valued,
+)
 from pipeline.discrepancy.judgement.swinging import swings
 from pipeline.discrepancy.noise.family import WALKS, Place
 from pipeline.discrepancy.noise.learning import FINEST
 from pipeline.discrepancy.noise.noise import SLOW_CORRELATION, NoiseModel
 from pipeline.discrepancy.search.explain import Explanation
+from pipeline.discrepancy.search.refuted import refuted
 from pipeline.discrepancy.search.weighing import Choice, piled
 from pipeline.number_words import worded
 from pipeline.recording import branch_of
@@ -173,12 +180,17 @@ def fading(choice: Choice) -> Sign | None:
 def of_repeats(explanation: Explanation, choice: Choice) -> Sign | None:
     """What cycles surely have in common at each step, where it is not much less than the noise.
 
-    A pile of names may leave less.
+    A pile of names may leave less. Where repeats speak against a zero that walks, it has walked
+    alike in each cycle.
     """
+    noise = choice.fit.ground.noise
     again = repeated_rest(choice, explanation.prior)
-    least = OF_PILE if piled(choice) else REPEATED
-    if again.p_value < CHANCE and again.size > least * choice.fit.ground.noise.deviation:
+    least = (OF_PILE if piled(choice) else REPEATED) * noise.deviation
+    if again.p_value < CHANCE and again.size > least:
         return Sign(again.where, again.size, again.p_value)
+    if noise.walk > 0.0 and refuted(explanation.search, choice):
+        size = common_size(choice, explanation.prior)
+        return Sign(again.where, size, CHANCE) if size > least else None
     return None
 
 
