@@ -174,6 +174,14 @@ def test_there_is_none_of_another(simulated):
     assert course(simulated) is None
 
 
+def test_a_mix_of_two_commands_of_a_circle_is_no_lag_of_one_though_it_looks_like_it_later():
+    time_s = 0.2 * np.arange(250)
+    turn = 2.0 * np.pi * time_s / 12.5
+    motors = {"one": 350.0 * np.cos(turn), "other": 350.0 * np.sin(turn)}
+    mixed = 0.016 * motors["one"] + 0.018 * motors["other"] + 6.0 * np.exp(-time_s / 0.4)
+    assert course_of(motors, time_s, mixed) is None
+
+
 def real(simulated: np.ndarray, clean: np.ndarray) -> Recording:
     seen = 1.01 * clean + 0.3 + NOISE * np.random.default_rng(2).standard_normal(len(clean))
     recording = followed(TIME_S, DRIVE, seen, PACE_HZ)
