@@ -10,7 +10,7 @@ from pipeline.physics.term import NO_STATE, Parameter, Surroundings, Term
 DEEPEST, STARTS = 0.7, (-0.3, 0.3)
 
 
-class SlantedView(CameraTilt):
+class SlantedView(Term):
     """seen = x / (1 + slant x): a length on a line that goes away from the camera.
 
     slant is the sine of the tilt over the camera's distance. Gain and offset of the calibration do
@@ -18,7 +18,12 @@ class SlantedView(CameraTilt):
     (2004), section 2.5).
     """
 
+    name = CameraTilt.name
+    site = CameraTilt.site
     form = "slanted"
+    place = CameraTilt.place
+    group = CameraTilt.group
+    means = CameraTilt.means
     says = (
         "The camera sees the line of motion aslant: lengths shrink by {slant} from place to place."
     )
@@ -32,9 +37,6 @@ class SlantedView(CameraTilt):
         self, signal: np.ndarray, motion: Motion, values: np.ndarray, state: np.ndarray | None
     ) -> tuple[np.ndarray, np.ndarray]:
         return signal / (1.0 + values[0] * signal), NO_STATE
-
-    def scaled(self, values: np.ndarray, factor: float) -> np.ndarray:
-        return Term.scaled(self, values, factor)
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
         return np.array([[share / farthest(around)] for share in STARTS])

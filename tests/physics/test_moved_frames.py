@@ -71,6 +71,15 @@ def test_an_old_frame_of_a_pose_that_was_held_is_told_where_waits_hardly_differ(
     assert result.diagnoses[0].after.heldout_rmse < 1.05 * 0.036
 
 
+@pytest.mark.parametrize("late", [FrameLag("held"), MovedFrames()])
+def test_a_start_of_half_the_effect_is_not_from_when_the_pose_was_held(late: FrameLag):
+    time_s = np.arange(40.0)
+    motion = Motion(np.sin(time_s), time_s, np.zeros(40, dtype=int))
+    values = np.array([0.7, 0.5 if late.form == "held" else 2.0])
+    begun = late.scaled(values, 0.5)
+    assert np.ptp(late.respond(motion.drive, motion, begun, None)[0] - motion.drive) > 0.1
+
+
 def test_it_is_looked_for_where_waits_and_steps_differ_only():
     motion = moves(6)
     around = Surroundings(drive_span=90.0, dwell_s=1.0)

@@ -13,7 +13,7 @@ from pipeline.discrepancy.noise.hats import hats
 from pipeline.discrepancy.noise.learning import NoisePrior
 from pipeline.discrepancy.noise.noise import NoiseModel
 from pipeline.discrepancy.problem.problem import Problem
-from pipeline.discrepancy.search.refuted import FEWEST_AGAIN, in_common
+from pipeline.discrepancy.search.refuted import in_common, steps_again
 from pipeline.discrepancy.search.weighing import Choice
 from pipeline.recording import branch_of, reversals_of
 
@@ -142,15 +142,13 @@ def common_size(choice: Choice, prior: NoisePrior) -> float:
     off = np.where(ground.used, ground.problem.measured - choice.fit.predicted, np.nan)
     common = apart = 0.0
     count = 0
-    for rows in prior.groups:
-        values = np.where(rows >= 0, off[rows], np.nan)
-        values -= np.nanmean(values, axis=1, keepdims=True)
-        times = np.isfinite(values).sum(axis=0)
-        again = times >= FEWEST_AGAIN
-        mean = np.nanmean(values[:, again], axis=0)
-        common += float(np.sum(times[again] * mean**2))
-        apart += float(np.nansum((values[:, again] - mean) ** 2 / (times[again] - 1.0)))
-        count += int(times[again].sum())
+    for values in steps_again(off, prior.groups):
+        values = values[np.isfinite(values).any(axis=1)]
+        values = values - np.nanmean(values, axis=1, keepdims=True)
+        times, mean = np.isfinite(values).sum(axis=0), np.nanmean(values, axis=0)
+        common += float(np.sum(times * mean**2))
+        apart += float(np.nansum((values - mean) ** 2 / (times - 1.0)))
+        count += int(times.sum())
     return float(np.sqrt(max(common - apart, 0.0) / max(count, 1)))
 
 

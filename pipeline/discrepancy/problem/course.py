@@ -80,7 +80,7 @@ def course_of(
         if found:
             enough = max(PLAINER * min(left for left, _ in found), ALIKE * span)
             piece = next(p for left, p in found if left <= enough)
-            if piece.term.name == Friction.name:
+            if rubs(piece):
                 piece = rubbing_one(found)
             course = trial.course(name, piece)
             other = elsewhere(piece, found)
@@ -90,7 +90,7 @@ def course_of(
 
 def rubbing_one(found: Sequence[tuple[float, Piece]]) -> Piece:
     """Of the pieces found, with what each leaves, the first friction that leaves about least."""
-    ones = [(left, p) for left, p in found if p.term.name == Friction.name]
+    ones = [(left, p) for left, p in found if rubs(p)]
     least = min(left for left, _ in ones)
     return next(p for left, p in ones if left <= PLAINER * least)
 
@@ -100,15 +100,19 @@ def elsewhere(piece: Piece, found: Sequence[tuple[float, Piece]]) -> Piece | Non
     others = [
         (left, other)
         for left, other in found
-        if piece.term.name == other.term.name == Friction.name
-        and other.term.in_balance != piece.term.in_balance
+        if rubs(piece) and rubs(other) and other.term.in_balance != piece.term.in_balance
     ]
     return min(others, key=lambda one: one[0])[1] if others else None
 
 
 def limit_of(piece: Piece) -> float:
     """How much of a simulation's range a piece may leave to be its own."""
-    return ROUGHLY if piece.term.name == Friction.name else EXACT
+    return ROUGHLY if rubs(piece) else EXACT
+
+
+def rubs(piece: Piece) -> bool:
+    """Whether a piece is friction."""
+    return piece.term.name == Friction.name
 
 
 @dataclass(frozen=True)
@@ -135,8 +139,12 @@ class Trial:
 
     def compared(self, piece: Piece | None) -> np.ndarray:
         """The rows that a piece has to suit."""
-        rubs = piece is not None and piece.term.name == Friction.name
-        return self.settled if rubs else self.known
+        return self.settled if piece is not None and rubs(piece) else self.known
+
+    @property
+    def until(self) -> slice:
+        """Rows up to the last one known."""
+        return slice(0, self.known[-1] + 1)
 
     @property
     def motion(self) -> Motion:
@@ -159,16 +167,17 @@ class Trial:
         return np.column_stack(late)
 
     def wanted(self, piece: Piece | None) -> np.ndarray:
-        """What the curve has to come to, (n,): at the joint more by what holds that back."""
+        """What the curve has to come to, (until,): at the joint more by what holds that back."""
+        angle = self.simulated[self.until]
         if piece is None or not piece.term.in_balance:
-            return self.simulated
+            return angle
         reaches, holds = elements_of(piece.values)
-        return np.asarray(self.simulated + shares_of(self.simulated, reaches) @ holds)
+        return np.asarray(angle + shares_of(angle, reaches) @ holds)
 
     def weights(self, piece: Piece | None) -> tuple[np.ndarray, float]:
         """Of the polynomials, those that suit the simulation best, and what they leave (RMS)."""
         rows = self.compared(piece)
-        columns = self.columns(piece, slice(0, self.known[-1] + 1))[rows]
+        columns = self.columns(piece, self.until)[rows]
         wanted = self.wanted(piece)[rows]
         weights = np.linalg.lstsq(columns, wanted, rcond=None)[0]
         return weights, float(np.sqrt(np.mean((wanted - columns @ weights) ** 2)))
@@ -204,7 +213,7 @@ class Trial:
 
     def spectra(self) -> Iterator[Piece]:
         """The slip elements of friction at the drive and at the joint, if there are any."""
-        angle, drive = self.simulated, self.command
+        angle, drive = self.simulated[self.until], self.command[self.until]
         place = 2.0 * (angle - angle.min()) / np.ptp(angle) - 1.0
         curve, inverse = (legendre.legvander(way, DEGREE) for way in (self.way(drive), place))
         at_joint = spectrum_at_joint(curve, angle, self.settled)

@@ -1,6 +1,6 @@
 """Explanations that repeated cycles speak against."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 from scipy.special import chdtrc
@@ -94,11 +94,19 @@ def shared(
     found = np.full(len(used), np.nan)
     found[used] = innovations
     gain, freedom, count = 0.0, 0, 0
-    for rows in groups:
-        values = np.where(rows >= 0, found[rows], np.nan)
+    for values in steps_again(found, groups):
         repeats = np.isfinite(values).sum(axis=0)
-        again = repeats >= FEWEST_AGAIN
-        gain += float(np.sum(repeats[again] * np.nanmean(values[:, again], axis=0) ** 2))
-        freedom += int(again.sum())
-        count += int(repeats[again].sum())
+        gain += float(np.sum(repeats * np.nanmean(values, axis=0) ** 2))
+        freedom += values.shape[1]
+        count += int(repeats.sum())
     return gain, freedom, count
+
+
+def steps_again(series: np.ndarray, groups: Sequence[np.ndarray]) -> Iterator[np.ndarray]:
+    """Of each group of cycles the steps (cycles, steps) of a series (n,) that come again.
+
+    NaN where the series is. groups: as of `repeated_cycles`.
+    """
+    for rows in groups:
+        values = np.where(rows >= 0, series[rows], np.nan)
+        yield values[:, np.isfinite(values).sum(axis=0) >= FEWEST_AGAIN]
