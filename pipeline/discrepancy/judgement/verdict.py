@@ -18,6 +18,7 @@ from pipeline.discrepancy.noise.family import usual_charge
 from pipeline.discrepancy.search.explain import Explanation
 from pipeline.discrepancy.search.pressed import plainer
 from pipeline.discrepancy.search.weighing import Choice, names, piled, wanders
+from pipeline.physics.drift import Drift
 
 ENOUGH = 0.7
 MOST_LEFT = 0.1
@@ -48,8 +49,8 @@ def follows(explanation: Explanation, choice: Choice) -> bool:
 def sure_of_slow(explanation: Explanation, best: Choice) -> Choice:
     """The best choice, without its drift and slips where they may be noise that wanders.
 
-    Such a zero is nothing to be named by itself: the odds against it must be 10 to 1, as they are
-    where cycles repeat. Beside other names the simulation is known to leave things out, and a zero
+    Such a zero is nothing to be named by itself: the odds against it must be those of `asked`.
+    Beside other names the simulation is known to leave things out, and a zero
     that walks is told as the drift or slip that fits about as well; one that is as restless as
     hardly a sensor's is, as what makes it calmer, even if that is worth no more than its own
     charge. Nor is a drift or slip told beside them that fits hardly better than a zero that jitters
@@ -74,14 +75,24 @@ def unless_nothing(explanation: Explanation, best: Choice) -> Choice:
     """The best choice, or none of its names where these are hardly likelier than no mismatch.
 
     A recording that holds nothing is searched with hundreds of forms: the odds for the best of them
-    must be ODDS to 1 beyond what each is charged.
+    must be those of `asked` beyond what each is charged.
     """
     base = next(c for c in explanation.choices if not c.fit.pieces)
-    return base if base.score < best.score + 2.0 * np.log(ODDS) else best
+    return base if base.score < best.score + asked(explanation, best, base) else best
+
+
+def asked(explanation: Explanation, best: Choice, rival: Choice) -> float:
+    """-2 log of the odds that the best choice must have against one of fewer names: ODDS to 1.
+
+    But even ones where cycles repeat, for a drift alone against a zero that walks: by their terms'
+    charges such a zero comes out as a drift in one of fifty recordings.
+    """
+    drift = names(best) == {Drift.name} and rival.place[2] > 0
+    return 0.0 if drift and explanation.prior.repeats > 0 else 2.0 * float(np.log(ODDS))
 
 
 def unless_it_wanders(explanation: Explanation, best: Choice) -> Choice:
-    """The best choice, or one of fewer names beside a zero that wanders, unless ODDS are against.
+    """The best choice, or one of fewer names beside a zero that wanders, unless odds are against.
 
     A zero that moves is charged as where cycles repeat: then it is as usual as a drift. Nor is it
     held against one that it wanders by more than the noise, where no cycles say what noise is: what
@@ -97,7 +108,7 @@ def unless_it_wanders(explanation: Explanation, best: Choice) -> Choice:
 
     fewer_names = [c for c in explanation.choices if names(c) < names(best)]
     rival = min((c for c in fewer_names if wanders(c.place)), key=evenly, default=best)
-    return rival if evenly(rival) < evenly(best) + 2.0 * np.log(ODDS) else best
+    return rival if evenly(rival) < evenly(best) + asked(explanation, best, rival) else best
 
 
 def unslowed(explanation: Explanation, best: Choice) -> Choice:
