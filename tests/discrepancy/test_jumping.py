@@ -85,6 +85,18 @@ def test_what_comes_late_does_not_jump():
     assert between_branches({"pull": PULL}, np.interp(PHASE - 0.5, PHASE, PULL)) is None
 
 
+def test_what_goes_on_where_the_command_rests_is_late():
+    levels = 2.67 * np.array([1, 2, 3, 4, 3, 2, 1, 0, -1, -2, -3, -4, -3, -2, -1, 0])
+    dwell = [20, 9, 9, 9, 2, 20, 2, 20, 20, 2, 9, 20, 2, 2, 9, 20]
+    ends = np.cumsum(np.column_stack([np.full(16, 2.5), dwell]).ravel())
+    once = np.interp(np.arange(ends[-1]), np.r_[0.0, ends], np.r_[0.0, np.repeat(levels, 2)])
+    command = np.tile(once, 10)
+    late = np.zeros_like(command)
+    for k in range(1, len(late)):
+        late[k] = command[k] + (late[k - 1] - command[k]) * np.exp(-0.12)
+    assert between_branches({"command": command}, late) is None
+
+
 def test_a_command_that_rests_between_its_steps_may_be_noisy():
     rng = np.random.default_rng(4)
     levels = rng.uniform(20.0, 100.0, 24)

@@ -12,7 +12,7 @@ from pipeline.recording import reversals_of
 ON_BRANCH, BETWEEN, APART, STEPS, AT_ONCE = 2e-3, 0.15, 5e-3, 6.0, 0.5
 FEWEST, LEAST_EACH, STEADY, FEW_OF_ALL = 40, 0.1, 0.9, 0.02
 ROUNDS, KNOTS, FAR = 3, 60, 0.01
-BESIDE, SLOW, FAST, CLEARLY = 5, 0.02, 0.95, 6.0
+BESIDE, SLOW, FAST, CLEARLY, CREPT = 5, 0.02, 0.95, 6.0, 1e-4
 
 
 def between_branches(
@@ -24,7 +24,8 @@ def between_branches(
     while it falls, and changes from one to the other at once when it turns round: so does rigid
     friction, as of the capstan equation with the sign of the velocity. What slides over, as play
     and lags do, is none, nor is a jump of few steps, which these may be, too, or a loop that closes
-    where it turns. Rows in which the command rests do not count.
+    where it turns. Rows in which the command rests do not count, but to show what goes on there,
+    as a lag does.
     """
     found = (middle_of(u, simulated) for u in commands.values())
     return next((middle for middle in found if middle is not None), None)
@@ -33,7 +34,8 @@ def between_branches(
 def middle_of(command: np.ndarray, simulated: np.ndarray) -> np.ndarray | None:
     """The middle (n,) of two branches of a simulation over a command, (n,) each; None if none."""
     rising, turns = rising_rows(command), reversals_of(command)
-    moving = np.abs(np.diff(simulated, prepend=simulated[:1])) > 0.0
+    moves = np.diff(simulated, prepend=simulated[:1])
+    moving = np.abs(moves) > 0.0
     rows = np.flatnonzero(moving & going(command) & np.isfinite(simulated))
     if len(rows) < FEWEST or not len(turns):
         return None
@@ -49,6 +51,7 @@ def middle_of(command: np.ndarray, simulated: np.ndarray) -> np.ndarray | None:
     apart, jump = (np.abs(branches[0](v) - branches[1](v)) for v in (u, command[turns]))
     astray = int(np.sum(off.min(axis=0) > ON_BRANCH * span + BETWEEN * apart))
     astray += int(np.sum(left_behind(command, moving)))
+    astray += int(np.sum(at_rest(command) & (np.abs(moves) > CREPT * span)))
     if astray > min(len(turns) + 1, FEW_OF_ALL * len(rows)):
         return None
     far = np.median(apart) > max(APART * span, STEPS * step)
@@ -76,6 +79,13 @@ def going(command: np.ndarray) -> np.ndarray:
     return np.asarray(
         far > max(SLOW * float(np.quantile(far, FAST)), CLEARLY * noise_of_motion(command))
     )
+
+
+def at_rest(command: np.ndarray) -> np.ndarray:
+    """Rows (n,) by which a command (n,) has been where it is for BESIDE rows."""
+    rows = np.arange(len(command))
+    moved = np.diff(command, prepend=command[:1]) != 0.0
+    return np.asarray(rows - np.maximum.accumulate(np.where(moved, rows, -1)) > BESIDE)
 
 
 def left_behind(command: np.ndarray, moving: np.ndarray) -> np.ndarray:
