@@ -72,6 +72,7 @@ class Coupling(Term):
         self.form = form
         how = next((how for how in (*WAYS, DIRECT, TORQUE) if form.endswith(how)), "")
         self.channel = form.removesuffix(how)
+        self.apart = f"of {self.channel}"
         self.way = WAYS.get(how)
         self.pushes = how not in BESIDES
         self.unlikely = UNUSUAL if how.startswith(CUBIC) else 0.0

@@ -26,6 +26,7 @@ class DrivenBank(Friction):
     """
 
     grows: ClassVar = {BANK: (ASYMMETRIC,)}
+    apart = "in the sheath"
 
     def __init__(self, form: str = BANK) -> None:
         super().__init__(form)

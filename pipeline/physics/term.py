@@ -138,6 +138,7 @@ class Term:
     beyond_lone: the same of a form that its name covers beside any other name.
     nameless: whether no name of the catalogue is its own, and it is told in words only.
     unlikely: how much less likely than others it is in its form, in -2 log odds.
+    apart: what tells it from another piece of its name, said behind its parameters.
     also: names that tell what this form does as well as its own; also_on_both: where it stands on
     both sides.
     mistaken_for: the name of what may be this instead, if it looks like that in disguise, or is
@@ -158,6 +159,7 @@ class Term:
     holds: ClassVar[bool] = False
     slow: ClassVar[bool] = False
     evolves: bool = False
+    apart: str = ""
     also: tuple[str, ...] = ()
     also_on_both: tuple[str, ...] = ()
     mistaken_for: str = ""

@@ -23,7 +23,6 @@ from pipeline.discrepancy.search.explain import Explanation
 from pipeline.discrepancy.search.ties import standing
 from pipeline.discrepancy.search.weighing import Choice
 from pipeline.number_words import worded
-from pipeline.physics.coupling import Coupling
 from pipeline.physics.force_term import ForceTerm
 from pipeline.physics.piece import Piece
 
@@ -78,8 +77,8 @@ def of_terms(
         if is_start(fit, piece) or piece.term.nameless:
             continue
         stands = standing(name, best, explanation.choices, problem)
-        if isinstance(piece.term, Coupling) and fit.names.count(name) > 1:
-            own = tuple(replace(e, name=f"{e.name} of {piece.term.channel}") for e in own)
+        if piece.term.apart and fit.names.count(name) > 1:
+            own = tuple(replace(e, name=f"{e.name} {piece.term.apart}") for e in own)
         ways = by_direction(best, piece, explanation.search.family)
         says = piece.term.sentence(stated(fit, piece), problem.around)
         yield NamedPhysics(

@@ -26,14 +26,15 @@ from pipeline.discrepancy.search.refuted import mops_up
 from pipeline.discrepancy.search.rubbed import rubbed
 from pipeline.discrepancy.search.stepped import stepped
 from pipeline.discrepancy.search.stopping import stopping
+from pipeline.discrepancy.search.twofold import twofold
 from pipeline.discrepancy.search.weighing import MOST_TERMS, SAME, Choice, Search, best_of_each
 from pipeline.physics.backlash import Backlash
 from pipeline.physics.friction import Friction
 
 WORTH, ROUNDS = 150.0, 6
 MOVES = (
-    unpromised, unshifted, stepped, recurved, played, coasted, stopping, rubbed, parted, queued,
-    one_damper, one_late, flanked, redrawn,
+    unpromised, unshifted, stepped, recurved, played, coasted, stopping, rubbed, twofold, parted,
+    queued, one_damper, one_late, flanked, redrawn,
 )  # fmt: skip
 Tried = dict[Key, tuple[float, float]]
 
