@@ -31,6 +31,7 @@ from pipeline.physics.tabled import FAR
 
 BALANCE = "balance"
 FEWEST_CYCLES = 3
+SHORTEST, LONGEST = 1e-4, 500.0  # dwells over a drag
 Loose = tuple[float, float, float, float, bool]
 Toe = tuple[float, float, float, float]
 Wires = tuple[float, float, float, float, float, float, float]
@@ -65,6 +66,8 @@ class Load(NamedTuple):
     smooth: linear [1], cubic [1/angle^2], gravity [angle] and gravity's zero [rad].
     pretension: load beyond which one of two wires hangs slack and the other gives twice [angle].
     drag: viscous load over speed [s]: the time constant of a joint without other loads.
+    runs: whether what is asked for runs straight from one sample to the next where it drags; else
+        it is held through each dwell.
     pushed: (n,) load from outside on the wires that moves a free joint by as much where the
         nominal curve is as steep as its mean [angle]; None where none.
     torque: (n,) the same on the joint, wherever it is [angle]; None where none.
@@ -82,6 +85,7 @@ class Load(NamedTuple):
     smooth: Smooth = (0.0, 0.0, 0.0, 0.0)
     pretension: float = np.inf
     drag: float = 0.0
+    runs: bool = False
     pushed: np.ndarray | None = None
     torque: np.ndarray | None = None
     carried: np.ndarray = np.zeros(0)
@@ -132,6 +136,11 @@ def settle(
     dwell = pushed
     if arms or load.drag > 0.0:
         dwell = motion.dwell_s if state is None else np.diff(motion.time_s, prepend=carried[0])
+    states = {p.key: one.carried for p, one in zip(pieces, loads, strict=True) if one.carried.size}
+    for p, one in zip(pieces, loads, strict=True):
+        if one.runs and one.drag > 0.0 and len(asked):
+            before, states[p.key] = float(memory.get(p.key, asked)[0]), asked[-1:]
+            asked = as_held(asked, dwell, one.drag, before)
     angle = np.empty(len(asked))
     if len(asked):
         smooth = (cubic, gravity, zero, 1.0 / motion.radian)
@@ -143,8 +152,17 @@ def settle(
             carried[1:], angle, motion,
         )  # fmt: skip
         carried[0] = motion.time_s[-1]
-    states = {p.key: one.carried for p, one in zip(pieces, loads, strict=True) if one.carried.size}
     return angle, {BALANCE: carried, **states}
+
+
+def as_held(asked: np.ndarray, dwell: np.ndarray, drag: float, before: float) -> np.ndarray:
+    """What asks as much of a free joint that drags, held through each dwell, (n,).
+
+    asked: (n,) angles from one of which to the next what asks runs straight, `before` at first.
+    dwell: (n,) time that each takes [s].
+    """
+    lags = np.clip(dwell / drag, SHORTEST, LONGEST)
+    return asked + (1.0 / np.expm1(lags) - 1.0 / lags) * np.diff(asked, prepend=before)
 
 
 def together(loads: Sequence[Load]) -> Load:

@@ -40,7 +40,7 @@ from pipeline.physics.moved_lag import moved_as
 from pipeline.physics.off_centre_ripple import OffCentreRipple
 from pipeline.physics.queued_frames import QueuedFrames
 from pipeline.physics.recurring_slip import RecurringSlip
-from pipeline.physics.response_lag import ResponseLag
+from pipeline.physics.response_lag import LOADED, RUNNING, ResponseLag
 from pipeline.physics.rubbing_wire import RUBBING
 from pipeline.physics.running_clock import RunningClock
 from pipeline.physics.second_order_lag import SecondOrderLag, swinging_as
@@ -99,7 +99,7 @@ ODD = (
     SmoothDrift(), RunningClock(), SnappingJoint(), *LOSSY_SIDES,
 )  # fmt: skip
 LAGS = (
-    ResponseLag(), ResponseLag("running"), SecondOrderLag("second"), SecondOrderLag("motor"),
+    ResponseLag(), ResponseLag(RUNNING), SecondOrderLag("second"), SecondOrderLag("motor"),
     FrameLag(AT_DRIVE),
 )  # fmt: skip
 ONE_LATE = (ResponseLag(), Creep(), SecondOrderLag("second"), SecondOrderLag("motor"))
@@ -157,7 +157,8 @@ def terms(other_commands: Iterable[str] = ()) -> tuple[Term, ...]:
         ResponseLag(),
         TopSpeed(),
         ResponseLag("whole"),
-        ResponseLag("running"),
+        ResponseLag(RUNNING),
+        ResponseLag(LOADED),
         CameraTilt(),
         SlantedView(),
         LensDistortion(),

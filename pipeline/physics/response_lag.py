@@ -19,6 +19,8 @@ from pipeline.physics.slewing_motor import SlewingMotor
 from pipeline.physics.term import HELD, Parameter, Surroundings, Term
 from pipeline.physics.valved_lag import ValvedLag
 
+RUNNING, LOADED = "running", "running loaded"
+
 
 class ResponseLag(Term):
     """x' = (u - x) / tau of a joint without other loads, for a command held through each dwell.
@@ -26,8 +28,8 @@ class ResponseLag(Term):
     A viscous drag in the balance (see `balance.py`): beside other loads the lag depends on them,
     longer where the wires hang slack, shorter against a stop. Form "whole" is the same after the
     balance: whatever loads the joint; "running" is that of a command that runs straight from one
-    sample to the next. Exact, however unevenly sampled. Source: first-order lag; Kelvin and Voigt's
-    spring with a dashpot beside it.
+    sample to the next, and "running loaded" the same in the balance. Exact, however unevenly
+    sampled. Source: first-order lag; Kelvin and Voigt's spring with a dashpot beside it.
     """
 
     name = "response_lag"
@@ -41,10 +43,11 @@ class ResponseLag(Term):
 
     def __init__(self, form: str = "first") -> None:
         self.form = form
-        self.in_balance = form == "first"
-        self.only_beside = HELD if form == "whole" else ""
+        self.runs = form in (RUNNING, LOADED)
+        self.in_balance = form in ("first", LOADED)
+        self.only_beside = HELD if form in ("whole", LOADED) else ""
         # else chance would decide against old frames and play
-        self.unlikely = 3.0 if form == "running" else 0.0
+        self.unlikely = 3.0 if self.runs else 0.0
 
     @property
     def kin(self) -> str:
@@ -55,13 +58,14 @@ class ResponseLag(Term):
         return (*swings, MovedLag(), MotorLag(), SlewingMotor(), ValvedLag())
 
     def elsewhere(self) -> tuple[Term, ...]:
-        return (ResponseLag("whole"),) if self.form == "first" else ()
+        other = {"first": "whole", RUNNING: LOADED}.get(self.form)
+        return () if other is None else (ResponseLag(other),)
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
         return (lag_parameter(around),)
 
     def load(self, values: np.ndarray, motion: Motion, state: np.ndarray | None) -> Load:
-        return Load(drag=float(values[0]))
+        return Load(drag=float(values[0]), runs=self.runs)
 
     def respond(
         self, signal: np.ndarray, motion: Motion, values: np.ndarray, state: np.ndarray | None
@@ -70,7 +74,7 @@ class ResponseLag(Term):
         last_s, at, before = (float(value) for value in (first if state is None else state))
         dwell, asked = dwells(motion, last_s), np.ascontiguousarray(signal)
         late_s = float(values[0])
-        if self.form == "running":
+        if self.runs:
             out = trailed(asked, dwell, late_s, 1.0, before, at)
         else:
             out = slewed(asked, dwell, late_s, np.inf, at)
@@ -80,6 +84,6 @@ class ResponseLag(Term):
         return np.array(usual_lags_s(around))[:, None]
 
     def excited(self, motion: Motion, around: Surroundings) -> bool:
-        """Form "running" where a drive is sampled too often to step and wait."""
-        often = around.dwell_s < STEP_AND_WAIT_S or self.form != "running"
+        """Where it runs, of a drive that is sampled too often to step and wait."""
+        often = around.dwell_s < STEP_AND_WAIT_S or not self.runs
         return around.drive_span > 0.0 and around.dwell_s > 0.0 and often

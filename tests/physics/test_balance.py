@@ -18,7 +18,7 @@ from pipeline.physics.kinematics import CubicCurve, SampledCurve, sampled_curve
 from pipeline.physics.mechanism import Mechanism
 from pipeline.physics.motion import Motion
 from pipeline.physics.piece import Piece
-from pipeline.physics.response_lag import ResponseLag
+from pipeline.physics.response_lag import LOADED, RUNNING, ResponseLag
 from pipeline.physics.second_order_lag import SecondOrderLag
 from pipeline.physics.slack import Slack
 from pipeline.physics.soft_wire import SoftWire
@@ -443,3 +443,12 @@ def test_a_lossy_contact_gives_back_less_than_it_took(flank: float, kept: float,
         part, state = whole.respond(motion.rows(rows), state)
         blocks.append(part)
     np.testing.assert_allclose(np.concatenate(blocks), answer(motion, pad), atol=1e-9)
+
+
+def test_a_joint_that_drags_alone_lags_the_same_in_the_balance_as_after_it():
+    time_s = np.cumsum(np.random.default_rng(1).uniform(0.01, 0.3, 200))
+    motion = Motion(10.0 * np.sin(time_s), time_s, np.zeros(200, dtype=int))
+    for late_s in (0.0, 1e-3, 0.5, 1e4):
+        loaded = answer(motion, Piece(ResponseLag(LOADED), np.array([late_s])))
+        after = answer(motion, Piece(ResponseLag(RUNNING), np.array([late_s])))
+        np.testing.assert_allclose(loaded, after, atol=1e-6)
