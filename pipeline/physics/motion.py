@@ -8,6 +8,8 @@ import numpy as np
 
 from pipeline.physics.delay import delayed
 
+MOSTLY, ALIKE, FEWEST_STAIRS, EVENLY = 0.5, 1e-3, 3, 0.01
+
 
 @dataclass(frozen=True)
 class Kinetics:
@@ -132,6 +134,22 @@ class Motion:
         out = np.zeros(len(self.drive), dtype=bool)
         out[1:] = np.all([np.diff(u) == 0.0 for u in (self.drive, *self.others.values())], axis=0)
         return out
+
+    @cached_property
+    def stair(self) -> float:
+        """The even step between the levels at which the drive mostly rests [drive unit]; 0.0 else.
+
+        At rest is what stood for two samples, mostly half of all.
+        """
+        rests = self.stands & np.append(False, self.stands[:-1])
+        if np.mean(self.stands) < MOSTLY:
+            return 0.0
+        apart = np.diff(np.unique(self.drive[rests]))
+        apart = apart[apart > ALIKE * np.ptp(self.drive)]
+        if len(apart) < FEWEST_STAIRS:
+            return 0.0
+        step = float(np.median(apart))
+        return step if np.all(np.abs(apart / step - np.round(apart / step)) < EVENLY) else 0.0
 
     def rows(self, part: slice | np.ndarray) -> "Motion":
         """The same motion over some of its samples (a slice or indices)."""

@@ -8,6 +8,7 @@ from pipeline.physics.off_centre_ripple import OffCentreRipple
 from pipeline.physics.swelling_ripple import SwellingRipple
 from pipeline.physics.term import Surroundings
 from pipeline.physics.transmission_ripple import TransmissionRipple
+from pipeline.physics.two_ripples import TwoRipples
 
 DRIVE = np.linspace(-50.0, 50.0, 101)
 MOTION = Motion(DRIVE, np.arange(101.0), np.zeros(101, dtype=int))
@@ -57,3 +58,20 @@ def test_a_ripple_of_hardly_more_than_a_wave_may_be_a_bend_instead():
         ("lens_distortion", "second"),
     }
     assert not instead(ripple, np.array([0.5, 50.0, 0.1]), MOTION, around)
+
+
+def test_a_wave_as_long_as_the_stairs_of_a_drive_is_what_it_meets_in_passing():
+    def over(drive: np.ndarray) -> Motion:
+        return Motion(drive, np.arange(len(drive)) * 0.1, np.zeros(len(drive), dtype=int))
+
+    stairs = over(np.repeat([0.0, 2.0, 4.0, 6.0, 4.0, 0.0, -2.0], 5))
+    assert stairs.stair == 2.0
+    others = [np.arange(30.0), np.repeat([0.0, 2.0, 4.3, 6.0, 3.0], 5)]
+    assert all(over(drive).stair == 0.0 for drive in others)
+    ripple, two = TransmissionRipple(), TwoRipples()
+    for period, met in ((2.01, True), (1.0, True), (2.2, False), (4.0, False)):
+        loud, soft = [0.3, period, 0.1], [0.01, 5.1, 0.2]
+        told = [(ripple, loud), (two, [*loud, *soft]), (two, [*soft, *loud])]
+        for term, values in told:
+            assert (term.chance(np.array(values), stairs) > 0.0) == met
+            assert term.chance(np.array(values), over(others[0])) == 0.0
