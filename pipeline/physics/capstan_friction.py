@@ -7,7 +7,7 @@ import numpy as np
 from pipeline.number_words import worded
 from pipeline.physics.force_units import FORCES, LENGTHS
 from pipeline.physics.motion import Motion
-from pipeline.physics.pre_sliding import ELEMENTS, dragging, sliding
+from pipeline.physics.pre_sliding import ELEMENTS, FASTEST, dragging, sliding
 from pipeline.physics.term import Parameter, Surroundings, Term
 
 LEAST_PULL = 1e-9
@@ -65,7 +65,7 @@ class CapstanFriction(Term):
             return (
                 Parameter("wrap", "", 0.0, 3.0, 0.2, 0.1),
                 Parameter("reach", around.drive_unit, 1e-3 * span, span, 0.05 * span, 0.1 * span),
-                Parameter("release", "", 0.0, 1.0, 0.8, 0.0),
+                Parameter("release", "", 0.0, FASTEST, 0.8, 0.0),
             )
         own = (
             Parameter("wrap", "", 0.0, 3.0, 0.2, 0.1),

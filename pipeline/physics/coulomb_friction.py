@@ -11,6 +11,7 @@ from pipeline.physics.damped_sliding import yielding
 from pipeline.physics.force_term import ASYMMETRY, ForceTerm, both_ways, per, resistance
 from pipeline.physics.motion import Kinetics, Motion
 from pipeline.physics.pre_sliding import (
+    FASTEST,
     FINELY,
     WIDEST,
     dragging,
@@ -28,7 +29,7 @@ ONSETS = (1e-3, 4e-3, 0.015, 0.06)
 DASHPOTS = (0.015, 0.06, 0.2, 0.5)
 SPREAD, EVEN_SPREAD = (Parameter("spread", "", 0.0, most, 0.7, 0.0) for most in (WIDEST, 1.0))
 SHAPES = (
-    Parameter("release", "", 0.0, 1.0, 0.7, 0.0),
+    Parameter("release", "", 0.0, FASTEST, 0.7, 0.0),
     Parameter("curve", "", 0.3, 5.0, 1.5, 0.0),
 )
 SHAPE_OF = {"spread": "spread", "even": "spread", "bristle": "release", "bent": "curve"}

@@ -8,7 +8,7 @@ import numpy as np
 from pipeline.physics.backlash import PIN, Backlash
 from pipeline.physics.balance import Load
 from pipeline.physics.motion import Motion
-from pipeline.physics.pre_sliding import ELEMENTS, WIDEST, dragging, reaches_of, weighted
+from pipeline.physics.pre_sliding import ELEMENTS, FASTEST, WIDEST, dragging, reaches_of, weighted
 from pipeline.physics.rising_creep import rising_as
 from pipeline.physics.slack import HOME, Slack
 from pipeline.physics.term import Parameter, Shown, Surroundings, Term, Told
@@ -72,7 +72,7 @@ class Friction(Term):
         own = (
             Parameter("width", unit, 0.0, 0.9 * span, 0.05 * span, 0.05 * span, at_drive=driven),
             Parameter("reach", unit, 1e-3 * span, span, 0.05 * span, 0.05 * span, at_drive=driven),
-            Parameter("release", "", 0.0, 1.0, 0.8, 0.0)
+            Parameter("release", "", 0.0, FASTEST, 0.8, 0.0)
             if "bristle" in self.form or self.before_curve
             else Parameter("spread", "", 0.0, WIDEST, 0.7, 0.3),
         )

@@ -8,7 +8,7 @@ from numba import njit
 from pipeline.physics.decay import decayed
 
 ELEMENTS, FINELY = 8, 32
-WIDEST = 2.5
+WIDEST, FASTEST = 2.5, 3.0  # of a spread, of a release
 
 
 @cache
@@ -84,8 +84,10 @@ def bristled(force, step, stiffness, up, down, release):  # type: ignore[no-unty
 
     f' = stiffness (1 - f / limit) in the direction of the step, limit being `up` or `down`; while f
     still helps the step, stiffness (1 + release |f| / limit). release = 1 is Dahl's bristle, 0 that
-    of Bouc and Wen with equal shares, which lets go as a spring. Exact for any step. Source: Dahl,
-    AIAA J. 14 (1976) 1675; Wen, J. Eng. Mech. 102 (1976) 249 (n = 1).
+    of Bouc and Wen with equal shares, which lets go as a spring; of theirs with any, release =
+    (beta - gamma) / (beta + gamma), which is never negative (Erlicher and Point, C. R. Mecanique
+    332 (2004) 51). Exact for any step. Source: Dahl, AIAA J. 14 (1976) 1675; Wen, J. Eng. Mech. 102
+    (1976) 249 (n = 1).
     """
     side, limit = (1.0, up) if step >= 0.0 else (-1.0, down)
     if limit <= 0.0:

@@ -9,7 +9,7 @@ from pipeline.physics.friction import Friction
 from pipeline.physics.kinematics import IdentityCurve
 from pipeline.physics.motion import Motion
 from pipeline.physics.piece import Piece
-from pipeline.physics.pre_sliding import WIDEST
+from pipeline.physics.pre_sliding import FASTEST, WIDEST
 from pipeline.physics.term import Parameter, Surroundings, Told
 
 AHEAD = "ahead"
@@ -43,7 +43,7 @@ class RubbingWire(Friction):
         return (
             Parameter("width", unit, 0.0, 0.9 * span, 0.05 * span, 0.05 * span, at_drive=True),
             Parameter("reach", unit, 1e-4 * span, span, 0.05 * span, 0.05 * span, at_drive=True),
-            Parameter("release", "", 0.0, 1.0, 0.8, 0.0)
+            Parameter("release", "", 0.0, FASTEST, 0.8, 0.0)
             if bristle
             else Parameter("spread", "", 0.0, WIDEST, 0.7, 0.3),
         )
