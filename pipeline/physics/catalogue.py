@@ -46,6 +46,7 @@ from pipeline.physics.running_clock import RunningClock
 from pipeline.physics.second_order_lag import SecondOrderLag, swinging_as
 from pipeline.physics.settling_drift import SettlingDrift
 from pipeline.physics.sheath_force import SheathForce
+from pipeline.physics.sheath_line import SheathLine
 from pipeline.physics.sheath_stretch import SheathStretch
 from pipeline.physics.single_bump import SingleBump
 from pipeline.physics.slack import Slack
@@ -285,7 +286,7 @@ def term(name: str, form: str = "", other_commands: Iterable[str] = ()) -> Term:
     others = tuple(other_commands)
     found = with_richer((*terms(others), *ODD, *force_terms(), *further_force_terms()))
     found += (*SHEATH_FORCES, *PRESSED, SPRUNG, *LATE, WORN, QUEUE, *UNEVEN, *RECURRING, *SKIPS)
-    found += (*RUBBING, CARRYING, LATE_DAMPER, FLANKS, *SPECTRA)
+    found += (*RUBBING, CARRYING, LATE_DAMPER, FLANKS, *SPECTRA, SheathLine())
     found += [Coupling(f"{channel}{how}") for channel in others for how in (CUBIC, CURVED)]
     same = [t for t in found if t.name == name and form in ("", t.form)]
     if same:

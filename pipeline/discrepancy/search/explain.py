@@ -147,6 +147,7 @@ def searched(problem: Problem) -> Explanation:
     if choices[0].score < usual_ones[0].score:
         choices = unless_misfit(search, choices)
     choices = grown_last(search, best_of_each([*choices, *search.seen.values()]))
+    choices = best_of_each([*choices, *search.seen.values()])
     if prior.repeats == 0 and problem.derivatives is None:
         search, choices = judged(search, choices)
         near = [c for c in by_names(choices) if c.score < choices[0].score + RIVAL_GAP][:SETTLED]

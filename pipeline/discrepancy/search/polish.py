@@ -9,6 +9,7 @@ from pipeline.discrepancy.search.elsewhere import Key, freed
 from pipeline.discrepancy.search.exchange import exchanged
 from pipeline.discrepancy.search.flanked import flanked
 from pipeline.discrepancy.search.growth import grown
+from pipeline.discrepancy.search.lined import lined
 from pipeline.discrepancy.search.moves import (
     merged,
     parted,
@@ -33,8 +34,8 @@ from pipeline.physics.friction import Friction
 
 WORTH, ROUNDS = 150.0, 6
 MOVES = (
-    unpromised, unshifted, stepped, recurved, played, coasted, stopping, rubbed, twofold, parted,
-    queued, one_damper, one_late, flanked, redrawn,
+    unpromised, unshifted, stepped, recurved, played, coasted, stopping, rubbed, twofold, lined,
+    parted, queued, one_damper, one_late, flanked, redrawn,
 )  # fmt: skip
 Tried = dict[Key, tuple[float, float]]
 
