@@ -9,7 +9,7 @@ from pipeline.physics.term import Parameter, Surroundings, Term
 
 PLACES = 8
 MOST_ROUNDS = 40
-FIRM = 1e-6
+FIRM, NEARLY_EVEN = 1e-6, 0.3
 RUBS, WRAPS, STRETCHES = (0.02, 0.08), (0.1, 0.5), (0.1, 0.5)
 
 
@@ -99,8 +99,12 @@ class SheathLine(Term):
         return out, pulls
 
     def also_at(self, values: np.ndarray, around: Surroundings) -> tuple[str, ...]:
-        """Play, which a far end that stands still after each reversal is near to."""
-        return (Backlash.name,)
+        """Play, as which a far end stands still after each reversal, where hardly any pull is lost.
+
+        Where none is, it is that at whatever the wire stretches.
+        """
+        lost = values[1] * 0.5 * around.drive_span
+        return (Backlash.name,) if lost < NEARLY_EVEN * values[0] else ()
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
         span = around.drive_span

@@ -7,7 +7,9 @@ import pytest
 from numba import njit
 
 from pipeline.physics.motion import Motion
+from pipeline.physics.play_operator import play
 from pipeline.physics.sheath_line import PLACES, SheathLine
+from pipeline.physics.term import Surroundings
 
 RUB, WRAP, STRETCH, PRETENSION = 0.6, 0.3, 0.5, 2.0
 CORNERS = [0.0, 10.0, -8.0, 6.0, -2.0, 9.0, 0.0]
@@ -67,3 +69,14 @@ def test_it_answers_whatever_it_rubs(rub):
     drive = swing()
     out, _ = SheathLine().respond(drive, motion_of(drive), np.array([rub, 5.0, 5.0, -3.0]), None)
     assert np.all(np.isfinite(out))
+
+
+def test_where_no_share_of_the_pull_is_lost_its_far_end_has_play():
+    drive, around = swing(), Surroundings(drive_low=-10.0, drive_span=20.0)
+    even, grows = (np.array([RUB, wrap, STRETCH, 0.0]) for wrap in (0.0, WRAP))
+    out, _ = SheathLine().respond(drive, motion_of(drive), even, None)
+    mean = 0.5 * (PLACES + 1.0) / PLACES
+    half = STRETCH * RUB * mean / (1.0 + STRETCH)
+    np.testing.assert_allclose(out, play(drive, half, 0.0), atol=1e-4)
+    assert SheathLine().also_at(even, around) == ("backlash",)
+    assert SheathLine().also_at(grows, around) == ()

@@ -50,11 +50,11 @@ def sure_of_slow(explanation: Explanation, best: Choice) -> Choice:
     """The best choice, without its drift and slips where they may be noise that wanders.
 
     Such a zero is nothing to be named by itself: the odds against it must be those of `asked`.
-    Beside other names the simulation is known to leave things out, and a zero
-    that walks is told as the drift or slip that fits about as well; one that is as restless as
-    hardly a sensor's is, as what makes it calmer, even if that is worth no more than its own
-    charge. Nor is a drift or slip told beside them that fits hardly better than a zero that jitters
-    from cycle to cycle, which is COMMONER times as common.
+    Beside other names the simulation is known to leave things out, and a zero that walks is told as
+    the drift or slip that fits about as well; one that is as restless as hardly a sensor's is, as
+    what makes it calmer, even if that is worth no more than its own charge. Nor is a drift or slip
+    told beside them that fits hardly better than a zero that jitters from cycle to cycle, which is
+    COMMONER times as common.
     """
     others = names(best) - best.fit.slow
     if others and best.fit.slow:

@@ -146,8 +146,7 @@ def searched(problem: Problem) -> Explanation:
     choices = oddly(search, usual_ones)
     if choices[0].score < usual_ones[0].score:
         choices = unless_misfit(search, choices)
-    choices = grown_last(search, best_of_each([*choices, *search.seen.values()]))
-    choices = best_of_each([*choices, *search.seen.values()])
+    choices = grown_last(search, choices)
     if prior.repeats == 0 and problem.derivatives is None:
         search, choices = judged(search, choices)
         near = [c for c in by_names(choices) if c.score < choices[0].score + RIVAL_GAP][:SETTLED]
@@ -190,12 +189,18 @@ def chosen_anew(
 
 
 def grown_last(search: Search, choices: list[Choice]) -> list[Choice]:
-    """The choices; where the best of all can still grow, with what a polish of that comes to."""
+    """The choices and all that were weighed on the way to them.
+
+    Where the best of all can still grow, with what a polish of that comes to.
+    """
+    choices = best_of_each([*choices, *search.seen.values()])
     richer = grown(search, choices[0])
     if richer.score > choices[0].score - LEAST_GAIN:
         return choices
     more = best_of_each([richer, *choices])
-    return polished(search, more) if worth_a_polish(search, richer, choices[0]) else more
+    if not worth_a_polish(search, richer, choices[0]):
+        return more
+    return best_of_each([*polished(search, more), *search.seen.values()])
 
 
 def searched_wide(search: Search, begun: list[Choice], found: list[Choice]) -> list[Choice]:

@@ -4,8 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from pipeline.discrepancy.fitting.charge import complexity
-from pipeline.discrepancy.fitting.fit import ITERATIONS, Fit, evaluate, improve
+from pipeline.discrepancy.fitting.fit import Fit, evaluate, improve
 from pipeline.discrepancy.search.weighing import Choice, Search
 from pipeline.physics.driven_bank import DrivenBank
 from pipeline.physics.friction import Friction
@@ -25,15 +24,11 @@ def twofold(search: Search, choice: Choice) -> Choice:
     """
     own = [p for p in choice.fit.pieces if isinstance(p.term, Friction)]
     angle = choice.fit.ground.problem.derivatives is None
-    key = choice.fit.key | {(SHEATH.name, "twofold")}
+    key = choice.fit.key | {(JOINT.name, JOINT.form), (SHEATH.name, SHEATH.form)}
     if len(own) != 1 or not angle or search.tried_in_vain(key, choice):
         return choice
     begun = [improve(start, BEGUN) for start in starts_of(choice.fit, own[0])]
-    best = min(begun, key=lambda f: f.cost + complexity(f), default=choice.fit)
-    found = search.better(choice, improve(best, 2 * ITERATIONS))
-    if found is choice:
-        search.vain[key] = choice.score, 0.0
-    return found
+    return search.best_begun(key, choice, begun)
 
 
 def starts_of(fit: Fit, own: Piece) -> Iterator[Fit]:

@@ -7,7 +7,7 @@ import numpy as np
 
 from pipeline.discrepancy.fitting.charge import VOID, complexity
 from pipeline.discrepancy.fitting.effects import Effects, effects_of
-from pipeline.discrepancy.fitting.fit import Fit, calibrated, improve
+from pipeline.discrepancy.fitting.fit import ITERATIONS, Fit, calibrated, improve
 from pipeline.discrepancy.noise.family import WHITE, NoiseFamily, Place
 from pipeline.discrepancy.problem.problem import Problem
 from pipeline.discrepancy.search.elsewhere import Key
@@ -109,6 +109,17 @@ class Search:
         if not self.may_beat(choice, fit):
             return choice
         return min(choice, self.weighed(fit, choice.place), key=lambda c: c.score)
+
+    def best_begun(self, key: Key, choice: Choice, begun: Sequence[Fit]) -> Choice:
+        """The choice, or what the most promising of some fits comes to, if that is better.
+
+        Else the terms and forms of `key` were tried in vain.
+        """
+        promising = min(begun, key=lambda f: f.cost + complexity(f))
+        found = self.better(choice, improve(promising, 2 * ITERATIONS))
+        if found is choice:
+            self.vain[key] = choice.score, 0.0
+        return found
 
     def scored(self, fit: Fit, place: Place) -> float:
         """The score of a fit's residual under the noise of a place."""
