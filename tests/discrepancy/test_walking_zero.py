@@ -110,3 +110,22 @@ def test_it_is_told_as_a_drift_with_how_far_it_walks_in_a_cycle(times):
     (size,) = told.parameters
     assert size.name == "walk_in_a_cycle"
     assert size.low < size.value == walk_in_a_cycle(explanation.choices[0]) < size.high
+
+
+@pytest.mark.long
+def test_of_zeros_that_walk_few_are_told_as_drifts_and_of_drifts_as_large_most():
+    rng = np.random.default_rng(11)
+    even = np.linspace(-1.0, 1.0, 9 * STEPS) / np.std(np.linspace(-1.0, 1.0, 9 * STEPS))
+    walks = drifts = 0
+    for seed in range(25):
+        recording = recorded({}, seed=300 + seed, cycles=9)
+        noise, size = recording.values(ANGLE), NOISE * rng.uniform(0.7, 2.0)
+        walk = np.cumsum(rng.standard_normal(9 * STEPS)) / np.sqrt(9 * STEPS)
+        told = [
+            diagnosed(changed(recording, **{ANGLE: noise + size * zero})).diagnoses[0]
+            for zero in (walk, rng.choice([-1.0, 1.0]) * even)
+        ]
+        walks += bool(told[0].physics)
+        drifts += [p.name for p in told[1].physics] == ["drift"]
+    assert walks <= 2
+    assert drifts >= 23

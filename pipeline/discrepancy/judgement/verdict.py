@@ -84,10 +84,10 @@ def unless_nothing(explanation: Explanation, best: Choice) -> Choice:
 def asked(explanation: Explanation, best: Choice, rival: Choice) -> float:
     """-2 log of the odds that the best choice must have against one of fewer names: ODDS to 1.
 
-    But even ones where cycles repeat, for a drift alone against a zero that walks: by their terms'
-    charges such a zero comes out as a drift in one of fifty recordings.
+    But even ones where cycles repeat, for a drift alone in place of a zero that walks: by their
+    terms' charges such a zero comes out as a drift in one of fifty recordings.
     """
-    drift = names(best) == {Drift.name} and rival.place[2] > 0
+    drift = names(best) == {Drift.name} and best.place[2] == 0 < rival.place[2]
     return 0.0 if drift and explanation.prior.repeats > 0 else 2.0 * float(np.log(ODDS))
 
 
