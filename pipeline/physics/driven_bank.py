@@ -27,6 +27,10 @@ class DrivenBank(Friction):
 
     grows: ClassVar = {BANK: (ASYMMETRIC,)}
     apart = "in the sheath"
+    says = (
+        "In its sheath friction holds the wire back by {width} between the two ways, and gives way "
+        "gradually over the first {reach} of motion."
+    )
 
     def __init__(self, form: str = BANK) -> None:
         super().__init__(form)
