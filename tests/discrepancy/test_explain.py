@@ -467,10 +467,12 @@ def test_a_best_that_was_left_in_a_plainer_form_grows_at_last():
     waves = {"amplitude": 1.5, "period": 24.0, "phase": 0.5, "amplitude_2": 0.9, "phase_2": 1.0}
     found = explained(recorded({"transmission_ripple/second": waves}))
     search, best = found.search, found.choices[0]
-    assert grown_last(search, [best]) == [best]
+    assert grown_last(replace(search, seen={}), [best]) == [best]
     ripple = term("transmission_ripple")
     fit = improve(evaluate(best.fit.ground, [Piece(ripple, np.array([1.5, 24.0, 0.5]))]))
     plainer = replace(search, vain={}, seen={}).weighed(fit, best.place)
-    grown = grown_last(replace(search, vain={}), [plainer])[0]
-    assert grown.score < plainer.score - 20.0
-    assert grown.fit.pieces[0].term.overtones == (2,)
+    fresh = replace(search, vain={}, seen={})
+    choices = grown_last(fresh, [plainer])
+    assert choices[0].score < plainer.score - 20.0
+    assert choices[0].fit.pieces[0].term.overtones == (2,)
+    assert {frozenset(c.fit.names) for c in choices} >= set(fresh.seen)
