@@ -137,10 +137,10 @@ def settle(
     if arms or load.drag > 0.0:
         dwell = motion.dwell_s if state is None else np.diff(motion.time_s, prepend=carried[0])
     states = {p.key: one.carried for p, one in zip(pieces, loads, strict=True) if one.carried.size}
-    for p, one in zip(pieces, loads, strict=True):
-        if one.runs and one.drag > 0.0 and len(asked):
-            before, states[p.key] = float(memory.get(p.key, asked)[0]), asked[-1:]
-            asked = as_held(asked, dwell, one.drag, before)
+    running = [p.key for p, one in zip(pieces, loads, strict=True) if one.runs]
+    if running and load.drag > 0.0 and len(asked):
+        before, states[running[0]] = float(memory.get(running[0], asked)[0]), asked[-1:]
+        asked = as_held(asked, dwell, load.drag, before)
     angle = np.empty(len(asked))
     if len(asked):
         smooth = (cubic, gravity, zero, 1.0 / motion.radian)

@@ -7,8 +7,9 @@ from functools import cached_property
 import numpy as np
 
 from pipeline.physics.delay import delayed
+from pipeline.physics.even_grid import quantum_of
 
-MOSTLY, ALIKE, FEWEST_STAIRS, EVENLY = 0.5, 1e-3, 3, 0.01
+MOSTLY, FEWEST_STAIRS = 0.5, 3
 
 
 @dataclass(frozen=True)
@@ -142,14 +143,8 @@ class Motion:
         At rest is what stood for two samples, mostly half of all.
         """
         rests = self.stands & np.append(False, self.stands[:-1])
-        if np.mean(self.stands) < MOSTLY:
-            return 0.0
-        apart = np.diff(np.unique(self.drive[rests]))
-        apart = apart[apart > ALIKE * np.ptp(self.drive)]
-        if len(apart) < FEWEST_STAIRS:
-            return 0.0
-        step = float(np.median(apart))
-        return step if np.all(np.abs(apart / step - np.round(apart / step)) < EVENLY) else 0.0
+        step = quantum_of(self.drive[rests]) if np.mean(self.stands) >= MOSTLY else 0.0
+        return step if np.ptp(self.drive) > (FEWEST_STAIRS - 0.5) * step else 0.0
 
     def rows(self, part: slice | np.ndarray) -> "Motion":
         """The same motion over some of its samples (a slice or indices)."""

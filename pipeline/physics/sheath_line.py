@@ -60,7 +60,8 @@ class SheathLine(Term):
     Pulls are counted in the way of the spring there. From one of PLACES to the next at most rub +
     wrap |T + pretension|, over PLACES, is lost of it: T at a place is a play of what it is at the
     one before, whose width grows with that. So after each reversal the change sets in at the near
-    end and wanders to the far one, which stands still until it comes there. It begins unstressed.
+    end and wanders to the far one, which stands still until it comes there. It begins with as
+    much pull everywhere.
     Source: capstan equation (Euler 1769; Eytelwein 1808) of an elastic wire, place by place as in
     Kaneko et al., IEEE Trans. Robot. Autom. 7 (1991) 351; Palli, Borghesan and Melchiorri, IEEE
     Trans. Robot. 28 (2012) 277.
@@ -99,12 +100,13 @@ class SheathLine(Term):
         return out, pulls
 
     def also_at(self, values: np.ndarray, around: Surroundings) -> tuple[str, ...]:
-        """Play, as which a far end stands still after each reversal, where hardly any pull is lost.
+        """Play, as which its far end stands still after each turn, where it loses as much anywhere.
 
-        Where none is, it is that at whatever the wire stretches.
+        Then it is that, however much the wire stretches.
         """
-        lost = values[1] * 0.5 * around.drive_span
-        return (Backlash.name,) if lost < NEARLY_EVEN * values[0] else ()
+        rub, wrap, _, pretension = values
+        more = wrap * 0.5 * around.drive_span
+        return (Backlash.name,) if more < NEARLY_EVEN * (rub + wrap * abs(pretension)) else ()
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
         span = around.drive_span

@@ -12,7 +12,7 @@ from pipeline.physics.term import NO_STATE, Parameter, Surroundings, Term
 
 OVERTONES = {"second": (2,), "third": (3,), "both": (2, 3), "odd": (3,), "all": (2, 3)}
 EDGES = 3.0
-COINCIDENCE, ALIKE = 1e4, 0.03
+COINCIDENCE, ALIKE = 1e4, 0.03  # periods
 GOING_ON = {"odd": (5, 7, 9), "all": (4, 5, 6, 7, 8)}
 
 
@@ -130,12 +130,12 @@ class TransmissionRipple(Term):
         return out
 
     def chance(self, values: np.ndarray, motion: Motion) -> float:
-        """A wave as long as the stairs that a drive takes is met in passing only."""
+        """A wave of which the stairs that a drive takes are whole ones is met in passing only."""
         if motion.stair == 0.0:
             return 0.0
         waves = self.waves(values)
         often = motion.stair / values[1] * float(waves[np.argmax(np.abs(waves[:, 1])), 0])
-        return COINCIDENCE if often > 0.5 and abs(often - round(often)) < ALIKE * often else 0.0
+        return COINCIDENCE if often > 0.5 and abs(often - round(often)) < ALIKE else 0.0
 
     def retold(self, starts: np.ndarray) -> np.ndarray:
         """Of two waves the long one may be the second harmonic of a longer one still."""

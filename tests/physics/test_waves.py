@@ -69,7 +69,7 @@ def test_a_wave_as_long_as_the_stairs_of_a_drive_is_what_it_meets_in_passing():
     others = [np.arange(30.0), np.repeat([0.0, 2.0, 4.3, 6.0, 3.0], 5)]
     assert all(over(drive).stair == 0.0 for drive in others)
     ripple, two = TransmissionRipple(), TwoRipples()
-    for period, met in ((2.01, True), (1.0, True), (2.2, False), (4.0, False)):
+    for period, met in ((2.01, True), (1.0, True), (2.2, False), (4.0, False), (0.11, False)):
         loud, soft = [0.3, period, 0.1], [0.01, 5.1, 0.2]
         told = [(ripple, loud), (two, [*loud, *soft]), (two, [*soft, *loud])]
         for term, values in told:

@@ -49,7 +49,7 @@ def follows(explanation: Explanation, choice: Choice) -> bool:
 def sure_of_slow(explanation: Explanation, best: Choice) -> Choice:
     """The best choice, without its drift and slips where they may be noise that wanders.
 
-    Such a zero is nothing to be named by itself: the odds against it must be those of `asked`.
+    Such a zero is nothing to be named by itself: the odds against it must be those of `least_lead`.
     Beside other names the simulation is known to leave things out, and a zero that walks is told as
     the drift or slip that fits about as well; one that is as restless as hardly a sensor's is, as
     what makes it calmer, even if that is worth no more than its own charge. Nor is a drift or slip
@@ -75,13 +75,13 @@ def unless_nothing(explanation: Explanation, best: Choice) -> Choice:
     """The best choice, or none of its names where these are hardly likelier than no mismatch.
 
     A recording that holds nothing is searched with hundreds of forms: the odds for the best of them
-    must be those of `asked` beyond what each is charged.
+    must be those of `least_lead` beyond what each is charged.
     """
     base = next(c for c in explanation.choices if not c.fit.pieces)
-    return base if base.score < best.score + asked(explanation, best, base) else best
+    return base if base.score < best.score + least_lead(explanation, best, base) else best
 
 
-def asked(explanation: Explanation, best: Choice, rival: Choice) -> float:
+def least_lead(explanation: Explanation, best: Choice, rival: Choice) -> float:
     """-2 log of the odds that the best choice must have against one of fewer names: ODDS to 1.
 
     But even ones where cycles repeat, for a drift alone in place of a zero that walks: by their
@@ -108,7 +108,7 @@ def unless_it_wanders(explanation: Explanation, best: Choice) -> Choice:
 
     fewer_names = [c for c in explanation.choices if names(c) < names(best)]
     rival = min((c for c in fewer_names if wanders(c.place)), key=evenly, default=best)
-    return rival if evenly(rival) < evenly(best) + asked(explanation, best, rival) else best
+    return rival if evenly(rival) < evenly(best) + least_lead(explanation, best, rival) else best
 
 
 def unslowed(explanation: Explanation, best: Choice) -> Choice:

@@ -12,10 +12,10 @@ from pipeline.discrepancy.noise.contrast import FEWEST_STEPS, free_of, numbered
 from pipeline.discrepancy.noise.force_noise import noise_of_force
 from pipeline.discrepancy.noise.noise import NoiseModel, whitened
 from pipeline.discrepancy.noise.other_axes import contrasted, ways_of_others, without_ways
-from pipeline.discrepancy.problem.counts import quantum_of
 from pipeline.discrepancy.problem.outliers import isolated, robust_deviation
 from pipeline.discrepancy.problem.problem import Problem
 from pipeline.discrepancy.problem.repeats import repeated_cycles
+from pipeline.physics.even_grid import quantum_of
 from pipeline.physics.motion import Motion
 
 APART = 60

@@ -7,35 +7,18 @@ from scipy.linalg import solveh_banded
 from scipy.optimize import minimize
 
 from pipeline.discrepancy.problem.beside import may_follow
+from pipeline.physics.even_grid import ON_GRID, quantum_of
 from pipeline.physics.kinematics import Curve, sampled_curve
 from pipeline.physics.motion import Motion
 from pipeline.physics.play_operator import play
 
-ON_GRID, FEWEST_LEVELS = 1e-3, 10
+FEWEST_LEVELS = 10
 OFTEN_EQUAL = 0.05
 STIFFNESSES, FEW_OUTSIDE = 4.0 ** np.arange(16), 0.01
 SECOND = (1.0, -2.0, 1.0)
 LAGS, SHORTEST, STEPS = 2.0 ** np.arange(-2, 8), 1e-2, 60
 PLAYS = np.array([0.0, 0.25, 0.5, 1.0, 2.0, 4.0])
 NEARER, ALL_ALIKE = 0.9, 0.85
-
-
-def quantum_of(values: np.ndarray) -> float:
-    """The step of the even grid that all finite values (n,) stand on; 0.0 where they do on none.
-
-    The grid is the least distance of two values. It has to hold over the whole range, so that the
-    rounding of a text file, which is much finer than the changes from row to row, is one too.
-    """
-    levels = np.unique(values[np.isfinite(values)])
-    if len(levels) < 3:
-        return 0.0
-    apart = np.diff(levels)
-    apart = apart[apart > ON_GRID * float(np.median(apart))]
-    least = float(apart.min())
-    steps = np.round((levels - levels[0]) / least)
-    least = float((levels[-1] - levels[0]) / steps[-1])
-    off = np.abs(levels - levels[0] - steps * least)
-    return least if float(off.max()) < 0.05 * least else 0.0
 
 
 def between_counts(counted: np.ndarray, quantum: float) -> np.ndarray:

@@ -11,8 +11,8 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 from scipy.special import ndtr
 
-from pipeline.discrepancy.problem.counts import quantum_of
 from pipeline.discrepancy.problem.stale import levels_of
+from pipeline.physics.even_grid import quantum_of
 
 NEIGHBOURS = np.arange(-3, 3) + 0.5
 LOST, LEAST, SHARP, BLURRED = 1e-4, 0.02, 0.1, 0.45

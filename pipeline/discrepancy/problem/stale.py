@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from pipeline.discrepancy.problem.counts import quantum_of
+from pipeline.physics.even_grid import quantum_of
 
 FEWEST, FEWEST_SHARE = 20, 0.03
 BY_CHANCE, MOSTLY = 3.0, 0.5
