@@ -130,6 +130,12 @@ class Motion:
         return np.diff(self.time_s, prepend=self.time_s[:1])
 
     @cached_property
+    def stood_s(self) -> np.ndarray:
+        """How long the drive was at each of the values it went through, (m,)."""
+        anew = np.append(np.flatnonzero(np.diff(self.drive, prepend=np.nan)), len(self.drive) - 1)
+        return np.diff(self.time_s[anew])
+
+    @cached_property
     def stands(self) -> np.ndarray:
         """Whether all commands are what they were one sample before, (n,); not the first."""
         out = np.zeros(len(self.drive), dtype=bool)

@@ -65,7 +65,7 @@ class YieldingWire(Creep):
         return np.insert(apart, FORESEEN, starts[0, FORESEEN], axis=1)
 
     def excited(self, motion: Motion, around: Surroundings) -> bool:
-        shortest, longest = np.quantile(motion.dwell_s, (0.05, 0.95))
+        shortest, longest = np.quantile(motion.stood_s, (0.05, 0.95))
         told = longest > VARIED * shortest or around.dwell_s < STEP_AND_WAIT_S
         return bool(told) and super().excited(motion, around)
 

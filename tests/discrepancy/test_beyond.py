@@ -235,6 +235,24 @@ def test_at_one_dwell_nothing_tells_that_from_a_loop_that_runs_the_other_way():
     assert result.diagnoses[0].verdict in ("unknown_physics", "partly_explained")
 
 
+def test_a_wire_that_goes_on_stretching_is_told_where_a_sampled_command_rests():
+    """Sampled every second: it runs for some samples, then rests for 4 to 70 s."""
+    rng = np.random.default_rng(4)
+    command = np.zeros(1)
+    while len(command) < 1500:
+        there, moving = rng.uniform(-20.0, 20.0), int(rng.integers(1, 4))
+        ramp = np.linspace(command[-1], there, moving + 1)[1:]
+        command = np.concatenate([command, ramp, np.full(rng.integers(4, 70), there)])
+    time_s, late = np.arange(float(len(command))), np.zeros(len(command))
+    for k in range(1, len(command)):
+        late[k] = command[k] + (late[k - 1] - command[k]) * np.exp(-1.0 / 9.0)
+    seen = 1.05 * command - 0.06 * late + rng.normal(0.0, 0.1, len(command))
+    result = diagnosed(followed(time_s, command, seen, 0.0))
+    assert names(result) == {"creep"}
+    assert result.diagnoses[0].unexplained.where == YieldingWire.beyond
+    assert result.diagnoses[0].after.heldout_rmse < 0.11
+
+
 def test_nothing_left_does_not_hum():
     assert hum(np.zeros(50), np.arange(50.0)) == (False, 0.0, 0.0)
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from pipeline.config import DiagnosisConfig, ToleranceConfig
-from pipeline.discrepancy.fitting.charge import VOID, absurd_calibration, complexity
+from pipeline.discrepancy.fitting.charge import TERM_COST, VOID, absurd_calibration, complexity
 from pipeline.discrepancy.fitting.effects import effects_of
 from pipeline.discrepancy.fitting.fit import evaluate, improve, jacobian, slopes_beside
 from pipeline.discrepancy.fitting.ground import ground_of
@@ -22,7 +22,7 @@ from pipeline.discrepancy.problem.thinning import sparser, thinned
 from pipeline.discrepancy.search.explain import explain
 from pipeline.physics.catalogue import term
 from pipeline.physics.piece import Piece
-from tests.discrepancy.made import ANGLE, NOISE, changed, posed, recorded
+from tests.discrepancy.made import ANGLE, NOISE, SIMULATED, changed, posed, recorded
 
 HIDDEN = {"backlash": {"width": 4.0}, "transmission_ripple": {"amplitude": 1.0, "period": 20.0}}
 BEGUN = (
@@ -104,6 +104,20 @@ def test_no_lead_needs_a_size_beyond_its_bounds():
     leads = screen(fit, effects_of(fit.ground.problem, candidates), candidates)
     assert {lead.term.form for lead in leads} == {"upper"}
     assert all(lead.values[0] > 0.0 for lead in leads)
+
+
+@pytest.mark.parametrize(("tolerances", "promised"), [(0.5, False), (8.0, True)])
+def test_a_bend_is_screened_beyond_what_a_declared_smooth_error_may_be(tolerances, promised):
+    """A smooth error of the fit takes any curve, at the cost of how far it is off."""
+    bent = recorded({"lens_distortion": {"distortion": 2e-5}})
+    size = float(np.std(bent.values(ANGLE) - recorded({}).values(ANGLE)))
+    tolerance = ToleranceConfig(shape=size / tolerances)
+    problem = pose_problem(DiagnosisConfig(tolerance), bent, ANGLE, bent.values(SIMULATED))
+    fit = evaluate(ground_of(problem, NoiseModel(NOISE), problem.train), ())
+    lens = term("lens_distortion", "first")
+    leads = screen(fit, effects_of(problem, [lens]), [lens])
+    assert (max((lead.gain for lead in leads), default=0.0) > TERM_COST) == promised
+    assert fit.mean_square < 1.1 * NOISE**2
 
 
 def test_a_lead_is_begun_beside_terms_that_make_room_for_it():

@@ -434,6 +434,18 @@ def test_a_hum_in_a_force_is_no_noise(hidden):
         assert "a hum in time, again and again every 0.0508" in found.unexplained.where
 
 
+def test_a_slow_hum_that_is_most_of_a_rest_is_no_noise_that_lasts():
+    t, x, rng = motion(6)
+    simulated = 900.0 * x
+    turn = 2.0 * np.pi * 1.7 * t
+    seen = simulated + 1.6 * np.sin(turn + 1.0) ** 3 + rng.normal(0.0, 0.5, len(t))
+    channel = Channel("force_sim_n", "simulation", "N", of="force_n")
+    recorded = recording(x, seen).with_channel(channel, simulated)
+    (found,) = diagnose(DiagnosisConfig(), recorded).diagnoses
+    assert (found.verdict, found.physics) == ("unknown_physics", ())
+    assert "a hum in time, again and again every 0.58" in found.unexplained.where
+
+
 @pytest.mark.parametrize("seed", [1, 3, 4])
 def test_noise_that_lasts_is_no_mismatch_of_a_short_recording(seed):
     rng = np.random.default_rng(seed)

@@ -82,6 +82,30 @@ def test_what_lies_beyond_the_commands_fitted_refutes_nothing_and_is_said():
     assert strained(posed(), off, every, NOISE) != BEYOND
 
 
+def test_few_rows_say_less_where_they_are_alike():
+    problem = posed()
+    few, off = problem.train.copy(), left(problem, 1.0)
+    rows = np.flatnonzero(problem.heldout)[:60]
+    few[rows], off[rows] = True, 1.7 * NOISE.deviation
+    lasting = NoiseModel(white=0.0, correlated=NOISE.white, correlation=0.8)
+    assert strained(problem, off, few, NOISE) == HELDOUT
+    assert strained(problem, off, few, lasting) is None
+
+
+@pytest.mark.parametrize("correlation", [0.0, 0.5, 0.8])
+def test_so_many_samples_say_of_the_noise_what_one_would(correlation):
+    rng = np.random.default_rng(7)
+    noise, rows = NoiseModel(white=0.3, correlated=1.0, correlation=correlation), 400
+    fresh = rng.standard_normal((4000, rows)) * np.sqrt(1.0 - correlation**2)
+    slow = np.empty_like(fresh)
+    slow[:, 0] = rng.standard_normal(4000)
+    for k in range(1, rows):
+        slow[:, k] = correlation * slow[:, k - 1] + fresh[:, k]
+    squares = np.mean((slow + 0.3 * rng.standard_normal(slow.shape)) ** 2, axis=1)
+    alike = np.var(squares) / np.mean(squares) ** 2 * rows / 2.0
+    assert noise.alike == pytest.approx(alike, rel=0.08)
+
+
 @pytest.mark.parametrize(("times", "said"), [(4.5, None), (5.5, WALKS)])
 def test_a_zero_that_walks_by_many_times_the_noise_is_not_all_said(times, said):
     problem, every = posed(), np.ones(ROWS, dtype=bool)

@@ -36,11 +36,16 @@ class Nuisances:
     zero: float = 0.0
 
     @cached_property
-    def precision(self) -> np.ndarray:
-        """Of the priors of gain, offset and weights, (m, m)."""
+    def held(self) -> np.ndarray:
+        """What makes nuisances' distance from their prior means one of unit deviations, (m, m)."""
         seen = np.eye(len(self.deviations))
         seen[1, 0] = self.zero
-        return np.asarray(seen.T / self.deviations**2 @ seen)
+        return seen / self.deviations[:, None]
+
+    @cached_property
+    def precision(self) -> np.ndarray:
+        """Of the priors of gain, offset and weights, (m, m)."""
+        return self.held.T @ self.held
 
     @property
     def straight(self) -> bool:

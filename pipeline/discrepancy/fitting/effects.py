@@ -182,9 +182,9 @@ def beside(fit: Fit, white: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
     The latter of what is left of them beside the former: (m, k) and (k,).
     """
-    basis = fit.basis
-    taken, along = basis.T @ white, fit.innovations @ white
-    return taken, along - (fit.innovations @ basis) @ taken
+    basis, known = fit.takes_over
+    taken = basis.T @ white
+    return taken, fit.innovations @ white - known @ taken
 
 
 def squares_of(columns: np.ndarray) -> np.ndarray:

@@ -82,6 +82,22 @@ class Fit:
         return np.linalg.qr(np.column_stack([self.calibrating, self.slopes]))[0]
 
     @cached_property
+    def takes_over(self) -> tuple[np.ndarray, np.ndarray]:
+        """What the fit can follow already, as far as a declared tolerance of its curve lets it.
+
+        (count, m) parts in the rows of orthonormal columns that go on through the prior of gain,
+        offset and bends, and (m,) what the residual, and how far they are off, has along each.
+        """
+        if self.ground.nuisances.straight:
+            return self.basis, self.innovations @ self.basis
+        held, count = self.ground.nuisances.held, len(self.innovations)
+        prior = np.hstack([held, np.zeros((len(held), self.free))])
+        columns = np.vstack([np.hstack([self.calibrating, self.slopes]), prior])
+        basis = np.linalg.qr(columns)[0]
+        off = held @ (self.ground.nuisances.expected - self.nuisance)
+        return basis[:count], self.innovations @ basis[:count] + off @ basis[count:]
+
+    @cached_property
     def changes(self) -> np.ndarray:
         """Derivatives of the prediction by gain, offset, bends and every term parameter, (n, m)."""
         return np.hstack([self.ground.calibrating(self.trace), self.by_parameter])

@@ -169,10 +169,11 @@ def usual(left: np.ndarray, noise: NoiseModel, count: int) -> float:
     """The largest error of `count` other rows to be expected, given what those fitted leave, (k,).
 
     A zero that walks is elsewhere in other rows, and so is one that jumps by the cycle. Where few
-    rows say something of their own, their errors differ more: by a share of sqrt(1 / 2 n) each.
+    rows say something of their own, their errors differ more: by a share of sqrt(1 / 2 n) each, n
+    of those that are not alike.
     """
     own = max(root_mean(left**2), float(np.hypot(noise.deviation, 2.0 * noise.jitter)))
-    chance = SURE * np.sqrt(0.5 * noise.spell * (1.0 / max(len(left), 1) + 1.0 / max(count, 1)))
+    chance = SURE * np.sqrt(0.5 * noise.alike * (1.0 / max(len(left), 1) + 1.0 / max(count, 1)))
     return max(TWICE if noise.walk > 0.0 else FAR, float(np.exp(chance))) * own
 
 

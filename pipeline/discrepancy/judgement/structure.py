@@ -41,6 +41,7 @@ LEAST_CHANGE, CHANGES = 0.1, "how it resists or springs, which changes with time
 RINGS = "samples far off after steps of other lengths than the rest: it rings there"
 SWINGS = "samples far off to one side and the other by turns: it swings there"
 RECURS = "swings that go on from sample to sample, as noise does not"
+MOST_OF_REST, FEWEST_PERIODS = 0.5, 8.0
 JERKY, JERKS = 4.4, "jerks, each time elsewhere: it sticks and slips"
 HOLDS = "samples that stay where the one before was as long as it is near: it is held, and lets go"
 
@@ -202,11 +203,19 @@ def two_zeros(choice: Choice) -> Sign | None:
 
 
 def humming(explanation: Explanation, choice: Choice) -> Sign | None:
-    """A frequency that holds much of the innovations: in time; of an angle in travel or itself."""
+    """A frequency that holds much of the innovations: in time; of an angle in travel or itself.
+
+    Of a force, whose noise is correlated, much of what each sample does not have of the one before,
+    or most of a rest that it takes for noise.
+    """
     problem, ground = explanation.problem, choice.fit.ground
     used, drive = ground.used, problem.motion.drive
     rest = choice.fit.innovations
     if problem.derivatives is not None:
+        time_s = problem.motion.time_s[used]
+        _, share, period_s = hum(rest, time_s)
+        if share > MOST_OF_REST and period_s * FEWEST_PERIODS < np.ptp(time_s):
+            return hums("in time", "s", period_s, share, ground.noise.deviation)
         rest = forgetting(rest)
     travel = np.cumsum(np.abs(np.diff(drive, prepend=drive[:1])))[used]
     places = (
@@ -215,11 +224,16 @@ def humming(explanation: Explanation, choice: Choice) -> Sign | None:
         ("in the angle", problem.around.angle_unit, choice.fit.predicted[used]),
     )
     for where, unit, along in places if problem.derivatives is None else places[:1]:
-        hums, share, period = hum(rest, along)
-        if hums:
-            told = f"a hum {where}, again and again every {worded(period)} {unit}"
-            return Sign(told, float(np.sqrt(share)) * ground.noise.deviation, CHANCE)
+        loud, share, period = hum(rest, along)
+        if loud:
+            return hums(where, unit, period, share, ground.noise.deviation)
     return None
+
+
+def hums(where: str, unit: str, period: float, share: float, deviation: float) -> Sign:
+    """The sign of a hum with a period [unit] that holds a share of a rest of a deviation."""
+    told = f"a hum {where}, again and again every {worded(period)} {unit}"
+    return Sign(told, float(np.sqrt(share)) * deviation, CHANCE)
 
 
 def forgetting(rest: np.ndarray) -> np.ndarray:

@@ -180,6 +180,16 @@ class NoiseModel:
         """Standard deviation of one sample about its cycle's own zero."""
         return float(np.hypot(self.white, self.correlated))
 
+    @property
+    def alike(self) -> float:
+        """How many samples say as much of its size as one on its own would.
+
+        1 + 2 times the sum of squared autocorrelations (Bartlett, J. R. Stat. Soc. B 8 (1946) 27).
+        """
+        share = self.correlated**2 / max(self.deviation**2, 1e-300)
+        again = self.correlation**2
+        return self.spell * float(1.0 + 2.0 * share**2 * again / (1.0 - again))
+
     def kept(self, stands: np.ndarray) -> np.ndarray:
         """Correlation of each sample (n,) with the one before, given where all commands stand."""
         return np.where(stands & self.settles, 1.0, self.correlation)
