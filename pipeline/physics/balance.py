@@ -31,14 +31,16 @@ from pipeline.physics.tabled import FAR
 
 BALANCE = "balance"
 FEWEST_CYCLES = 3
+FIRMER = 2.0  # how much a joint's own spring outdoes one that drives it away from home
 SHORTEST, LONGEST = 1e-4, 500.0  # dwells over a drag
 Loose = tuple[float, float, float, float, bool]
 Toe = tuple[float, float, float, float]
 Wires = tuple[float, float, float, float, float, float, float]
 Smooth = tuple[float, float, float, float]
 Bends = tuple[Any, ...]
-Loads = tuple[np.ndarray, np.ndarray, float, float, Bends | None]
-"""Sliders, arms (a, 5) with three columns to work in, drag, the softest spring, all that bends."""
+Loads = tuple[np.ndarray, np.ndarray, float, float, Bends | None, np.ndarray]
+"""Sliders, arms (a, 5) with three columns to work in, drag, the softest spring, all that bends,
+wires that yield."""
 IDEAL: Wires = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
 
 
@@ -49,6 +51,10 @@ class Load(NamedTuple):
         how much all of that grows with the bend where a step begins [1/angle], alike for all.
     bristle: (b, 4) stiffness [1], force limits as of a slip, and release [1].
     arm: (a, 2) stiffness [1] and time constant [s] of a spring with a dashpot (Maxwell).
+    wire: (w, 5) share of its pull, over the joint's own stiffness, by which a wire goes on
+        stretching, time constant [s], that stiffness over the wire's, alike for all, whether the
+        drive runs from one sample to the next (1), or is held through each dwell (0), and by how
+        much it is longer at the first sample than its pull there would have it [angle].
     contact: (c, 4) side (+1, -1) over the depth at which its stiffness builds up [1/angle], angle,
         side times stiffness times that depth [angle], and side times what it hardens by times
         that depth squared [angle].
@@ -71,12 +77,14 @@ class Load(NamedTuple):
     pushed: (n,) load from outside on the wires that moves a free joint by as much where the
         nominal curve is as steep as its mean [angle]; None where none.
     torque: (n,) the same on the joint, wherever it is [angle]; None where none.
+    foreseen: share by which what is asked for is more than the simulation says.
     carried: what the term must know to go on from the last sample.
     """
 
     slip: np.ndarray = np.zeros((0, 4))
     bristle: np.ndarray = np.zeros((0, 4))
     arm: np.ndarray = np.zeros((0, 2))
+    wire: np.ndarray = np.zeros((0, 5))
     contact: np.ndarray = np.zeros((0, 4))
     pad: np.ndarray = np.zeros((0, 5))
     give: np.ndarray = np.zeros((0, 4))
@@ -88,6 +96,7 @@ class Load(NamedTuple):
     runs: bool = False
     pushed: np.ndarray | None = None
     torque: np.ndarray | None = None
+    foreseen: float = 0.0
     carried: np.ndarray = np.zeros(0)
 
 
@@ -119,6 +128,12 @@ def settle(
     if load.loose is not None and not load.loose[-1]:
         half, _, _, middle, _ = load.loose
         asked = asked + curve.spared(motion.drive, middle, half)
+    if load.foreseen > 0.0:
+        asked = asked * (1.0 + load.foreseen)
+    wire = load.wire
+    if len(wire) and linear < 0.0:
+        wire = wire.copy()
+        wire[:, 2] = np.maximum(wire[:, 2], -FIRMER * linear)
     pushed = np.zeros(len(asked))
     if gravity != 0.0:
         pushed -= gravity * np.sin(zero)
@@ -130,11 +145,12 @@ def settle(
     arms, upright = len(load.arm), 3 + len(load.slip)
     pads = upright + len(load.bristle)
     ends = pads + len(load.pad)
-    carried = np.zeros(ends + 1 + arms) if state is None else state.copy()
+    wires = len(wire) + 1 if len(wire) else 0
+    carried = np.zeros(ends + 1 + arms + wires) if state is None else state.copy()
     if state is None:
         carried[pads:ends] = NEVER
     dwell = pushed
-    if arms or load.drag > 0.0:
+    if arms or wires or load.drag > 0.0:
         dwell = motion.dwell_s if state is None else np.diff(motion.time_s, prepend=carried[0])
     states = {p.key: one.carried for p, one in zip(pieces, loads, strict=True) if one.carried.size}
     running = [p.key for p, one in zip(pieces, loads, strict=True) if one.runs]
@@ -148,8 +164,8 @@ def settle(
         arm = np.empty((arms, 5))
         arm[:, :2] = load.arm
         solve(
-            np.ascontiguousarray(asked), pushed, dwell, (load.slip, arm, load.drag, linear, bends),
-            carried[1:], angle, motion,
+            np.ascontiguousarray(asked), pushed, dwell,
+            (load.slip, arm, load.drag, linear, bends, wire), carried[1:], angle, motion,
         )  # fmt: skip
         carried[0] = motion.time_s[-1]
     return angle, {BALANCE: carried, **states}
@@ -177,6 +193,7 @@ def together(loads: Sequence[Load]) -> Load:
         slip=stacked([load.slip for load in loads]),
         bristle=stacked([load.bristle for load in loads]),
         arm=stacked([load.arm for load in loads]),
+        wire=stacked([load.wire for load in loads]),
         contact=stacked([load.contact for load in loads]),
         pad=stacked([load.pad for load in loads]),
         give=stacked([load.give for load in loads]),
@@ -185,6 +202,7 @@ def together(loads: Sequence[Load]) -> Load:
         smooth=(linear, cubic, gravity, zero),
         pretension=min([load.pretension for load in loads]),
         drag=sum([load.drag for load in loads]),
+        foreseen=sum([load.foreseen for load in loads]),
     )
 
 
@@ -197,16 +215,16 @@ def solve(
     Of a joint that remembers, but not for a time, what repeats is worked out once. Arguments: see
     `equilibrium.balance`.
     """
-    slip, arm, drag, _, bends = loads
+    slip, arm, drag, _, bends, wire = loads
     remembers = bends is not None and (len(bends[8]) > 0 or len(bends[11]) > 0)
-    slides = len(slip) > 0 or drag > 0.0 or remembers
+    slides = len(slip) > 0 or drag > 0.0 or remembers or len(wire) > 0
     if bends is not None and not slides and len(asked) >= FEWEST:
         if len(arm) == 0 and settled(asked, pushed, loads, state, angle):
             return
         if len(arm) > 0 and crept(asked, pushed, dwell, loads, state, angle):
             return
     begins = motion.cycle_begins
-    if len(arm) > 0 or drag > 0.0 or len(begins) < FEWEST_CYCLES + 1:
+    if len(arm) > 0 or drag > 0.0 or len(wire) > 0 or len(begins) < FEWEST_CYCLES + 1:
         balance(asked, pushed, dwell, loads, state, angle)
         return
     states = np.empty((len(begins) - 1, len(state)))

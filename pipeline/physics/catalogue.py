@@ -31,6 +31,7 @@ from pipeline.physics.held import STEP_AND_WAIT_S
 from pipeline.physics.inertia import Inertia
 from pipeline.physics.late_damper import LateDamper
 from pipeline.physics.lens_distortion import LensDistortion
+from pipeline.physics.loaded_wire import LoadedWire
 from pipeline.physics.long_ripple import LongOffCentreRipple, LongRipple
 from pipeline.physics.lost_steps import BEHIND, LostSteps
 from pipeline.physics.marker_outliers import MarkerOutliers
@@ -96,7 +97,8 @@ LATE = (ForceLag(), ForceLag(SWINGING), FrameLag(OLD))
 WORN, FLANKS, QUEUE = WornPlay(), YieldingPlay(FOLLOWING), QueuedFrames()
 LOSSY_SIDES = tuple(Contact(f"{side} {LOSSY}") for side in SIDES)
 ODD = (
-    SingleBump(), LongRipple(), LongOffCentreRipple(), YieldingWire(), ActivatedCreep(),
+    SingleBump(), LongRipple(), LongOffCentreRipple(), YieldingWire(), LoadedWire(),
+    ActivatedCreep(),
     SmoothDrift(), RunningClock(), SnappingJoint(), *LOSSY_SIDES,
 )  # fmt: skip
 LAGS = (

@@ -6,11 +6,12 @@ where the next slider begins to slide. A bristle is a curved line. What is left 
 for one angle, or, where nothing bends (`bends` is None, compiled apart), a line.
 """
 
-import numpy as np
 from numba import njit
 
+from pipeline.physics.arms import let_go, power, pulled, relax
 from pipeline.physics.decay import decayed
 from pipeline.physics.pre_sliding import bristled
+from pipeline.physics.stretching import lengthen, lengthening
 from pipeline.physics.tabled import inlined, ramped, waved
 
 SWEEPS, PATIENCE = 40, 8
@@ -22,7 +23,6 @@ NEVER = 1e300
 SAME_DWELL = 1e-9
 EVEN = 0.8
 FIRST_PART, GROWTH = 0.04, 1.6
-NEARBY = 0.01
 STRAIGHT = (1.0, 1.0, 1.0, 1.0)
 
 
@@ -272,45 +272,6 @@ def _bend(start, at, bends):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _pulled(stiff, pull, far, arm):  # type: ignore[no-untyped-def]
-    """Stiffness and pull with those of the arms."""
-    for j in range(arm.shape[0]):
-        stiff += arm[j, 0]
-        pull += arm[j, 0] * far[j]
-    return stiff, pull
-
-
-@inlined
-def _power(x, known):  # type: ignore[no-untyped-def]
-    """exp(x), with known = (y, exp(y)) of a y nearby; and that. Dwells differ little: a series."""
-    more = x - known[0]
-    if abs(more) > NEARBY:
-        known, more = (x, np.exp(x)), 0.0
-    series = 1.0 + more * (1.0 + more / 2.0 * (1.0 + more / 3.0 * (1.0 + more / 4.0)))
-    return known[1] * series, known
-
-
-@inlined
-def _let_go(eases, dwell, arm):  # type: ignore[no-untyped-def]
-    """Share of its stretch that each arm loses over a dwell, and what tells it (in place)."""
-    for j in range(arm.shape[0]):
-        pace = max(1.0 - arm[j, 0] * eases, 1e-3)
-        left, known = _power(-pace * dwell / arm[j, 1], (arm[j, 3], arm[j, 4]))
-        arm[j, 2], arm[j, 3], arm[j, 4] = (1.0 - left) / pace, known[0], known[1]
-
-
-@inlined
-def _relax(theta, far, arm):  # type: ignore[no-untyped-def]
-    """Load that the arms let go; their far ends move (in place)."""
-    late = 0.0
-    for j in range(arm.shape[0]):
-        moved = (theta - far[j]) * arm[j, 2]
-        late += arm[j, 0] * moved
-        far[j] += moved
-    return late
-
-
-@inlined
 def _held(firm, wait, drag, hold):  # type: ignore[no-untyped-def]
     """How a dashpot holds a joint of that stiffness over a wait: as `hold`, anew.
 
@@ -318,7 +279,7 @@ def _held(firm, wait, drag, hold):  # type: ignore[no-untyped-def]
     """
     if firm == hold[0] and abs(wait - hold[1]) <= SAME_DWELL * hold[1]:
         return hold
-    grown, known = _power(min(firm * wait / drag, LONG), hold[3])
+    grown, known = power(min(firm * wait / drag, LONG), hold[3])
     return firm, wait, firm / max(grown - 1.0, BRIEF), known, hold[4]
 
 
@@ -384,22 +345,39 @@ def balance(q, pushed, dwell, loads, state, out):  # type: ignore[no-untyped-def
     of the dwell, each with its own r. loads: see `balance.Loads`. A tangent is the equation's
     slope, one over it, and how far the joint moves for what is asked and for a load.
     """
-    slip, arm, drag, softest, bends = loads
-    arms, hold = arm.shape[0], (-1.0, -1.0, 0.0, (NEVER, 0.0), 0.0)
-    ends, far = state[2 : 2 + slip.shape[0]], state[state.size - 1 - arms : -1]
+    slip, arm, drag, softest, bends, wire = loads
+    arms, wires, hold = arm.shape[0], wire.shape[0], (-1.0, -1.0, 0.0, (NEVER, 0.0), 0.0)
+    last = state.size - 1 - (wires + 1 if wires > 0 else 0)
+    ends, far = state[2 : 2 + slip.shape[0]], state[last - arms : last]
+    stretched, yields = state[last:-1], (0.0, 0.0)
+    waits = arms > 0
+    if wires > 0:
+        waits = waits or wire[0, 3] == 0.0
     asked, joint, firm = state[0], (state[1], STRAIGHT, (1.0, 0.0, 0.0, NEVER)), state[-1]
     if firm == 0.0:
         asked, firm = q[0] + pushed[0], 1.0
         joint, alone = (asked, STRAIGHT, joint[2]), _without_bristles(bends)
-        joint = _moved(asked, joint, q[0], softest, pushed[0], alone, slip[:0], ends)
+        if wires > 0:
+            yields = lengthening(q[0], stretched, NEVER, 1.0, wire)
+        joint = _moved(
+            asked, joint, q[0], softest + yields[0], pushed[0] - yields[1], alone, slip[:0], ends
+        )
+        if wires > 0:
+            lengthen(joint[0], q[0], yields, stretched, NEVER, 1.0, wire)
+            for j in range(wires):
+                stretched[j] += wire[j, 4]
         far[:] = joint[0]
     _ends(1.0, joint[0], ends, slip)
     joint = (joint[0], joint[1], _line(1.0, joint[0], ends, slip))
     eased, relaxed, arm[:, 3] = -1.0, -1.0, NEVER
     for t in range(q.size):
-        stiff, pull = _pulled(softest, pushed[t], far, arm)
+        stiff, pull = pulled(softest, pushed[t], far, arm)
         at, last = joint[0] + (q[t] + pushed[t] - asked) * joint[1][2], joint[0]
-        asked = q[t] + pushed[t]
+        asked, late = q[t] + pushed[t], 0.0
+        if wires > 0:
+            follows = 1.0
+            yields = lengthening(q[t], stretched, 0.0 if waits else dwell[t], follows, wire)
+            stiff, pull = stiff + yields[0], pull - yields[1]
         if drag > 0.0:
             joint, firm, hold, pull = _dwelt(
                 at, joint, q[t], stiff, pull, dwell[t], drag, firm, hold, bends, slip, ends
@@ -408,14 +386,21 @@ def balance(q, pushed, dwell, loads, state, out):  # type: ignore[no-untyped-def
         else:
             joint = _moved(at, joint, q[t], stiff, pull, bends, slip, ends)
             _bend(last, joint[0], bends)
-        if arms > 0:
+        if waits:
             if eased != joint[1][3] or abs(dwell[t] - relaxed) > SAME_DWELL * relaxed:
                 eased, relaxed = joint[1][3], dwell[t]
-                _let_go(eased, relaxed, arm)
-            late, last = _relax(joint[0], far, arm), joint[0]
+                let_go(eased, relaxed, arm)
+            late, last = relax(joint[0], far, arm), joint[0]
+            if wires > 0:
+                stiff, pull = stiff - yields[0], pull + yields[1]
+                follows = joint[1][2]
+                yields = lengthening(q[t], stretched, dwell[t], follows, wire)
+                stiff, pull = stiff + yields[0], pull - yields[1]
             joint = _moved(last + late * eased, joint, q[t], stiff, pull + late, bends, slip, ends)
             _bend(last, joint[0], bends)
             firm = max(_stiffness(joint[1], bends) - hold[2], SOFTEST)
+        if wires > 0:
+            lengthen(joint[0], q[t], yields, stretched, dwell[t], follows, wire)
         out[t] = joint[0]
     _forces(joint[2][0], joint[0], ends, slip)
     state[0], state[1], state[-1] = asked, joint[0], firm

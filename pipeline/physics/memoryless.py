@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 from numba import njit
 
+from pipeline.physics.arms import let_go, pulled, relax
 from pipeline.physics.decay import decayed_abreast
 from pipeline.physics.equilibrium import (
     LEAST_PULL,
@@ -22,9 +23,6 @@ from pipeline.physics.equilibrium import (
     NEVER,
     PRECISE,
     SAME_DWELL,
-    _let_go,
-    _pulled,
-    _relax,
     _rested,
     _settled,
 )  # fmt: skip
@@ -257,7 +255,7 @@ def settled(
     """
     table, room = np.empty((PARTS, 6)), np.empty((7, BLOCK))
     numbers = np.empty(PARTS + len(asked), dtype=np.int64)
-    return bool(_settle(asked, pushed, *loads[3:], table, room, numbers, state, out))
+    return bool(_settle(asked, pushed, *loads[3:5], table, room, numbers, state, out))
 
 
 @compiled
@@ -289,13 +287,13 @@ def crept(
     Where the joint settles after they have crept is not needed to go on from there: only where it
     is before is worked out one sample after the other.
     """
-    room, pulled = np.empty((7, BLOCK)), np.empty(len(asked))
+    room, pulls = np.empty((7, BLOCK)), np.empty(len(asked))
     places = np.empty(len(asked), dtype=np.int64)
-    return bool(_creep(asked, pushed, dwell, *loads[1:], room, places, pulled, state, out))
+    return bool(_creep(asked, pushed, dwell, *loads[1:5], room, places, pulls, state, out))
 
 
 @compiled
-def _creep(q, pushed, dwell, arm, drag, softest, bends, room, places, pulled, state, out):  # type: ignore[no-untyped-def]
+def _creep(q, pushed, dwell, arm, drag, softest, bends, room, places, pulls, state, out):  # type: ignore[no-untyped-def]
     """The angles and the state (in place), if there is one angle for each sample."""
     sharpest = _sharpest(softest, bends)
     if sharpest < 0.0:
@@ -309,16 +307,16 @@ def _creep(q, pushed, dwell, arm, drag, softest, bends, room, places, pulled, st
     eased, relaxed, arm[:, 3] = -1.0, -1.0, NEVER
     last = at
     for t in range(q.size):
-        stiff, pull = _pulled(softest, pushed[t], far, arm)
+        stiff, pull = pulled(softest, pushed[t], far, arm)
         guess = at + (q[t] + pushed[t] - asked) * tangent[2]
         asked = q[t] + pushed[t]
         last, tangent = _settled(guess, last, q[t], stiff, pull, tangent, bends)
         if eased != tangent[3] or abs(dwell[t] - relaxed) > SAME_DWELL * relaxed:
             eased, relaxed = tangent[3], dwell[t]
-            _let_go(eased, relaxed, arm)
-        late = _relax(last, far, arm)
+            let_go(eased, relaxed, arm)
+        late = relax(last, far, arm)
         at = last + late * eased
-        out[t], pulled[t] = at, pull + late
-    _finished(q, pulled, stiff, bends, sharpest, room, places, out)
+        out[t], pulls[t] = at, pull + late
+    _finished(q, pulls, stiff, bends, sharpest, room, places, out)
     state[0], state[1], state[-1] = asked, out[-1], 1.0
     return True

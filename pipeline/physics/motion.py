@@ -130,6 +130,11 @@ class Motion:
         return np.diff(self.time_s, prepend=self.time_s[:1])
 
     @cached_property
+    def usual_dwell_s(self) -> float:
+        """Median time from one sample to the next; NaN of a single one."""
+        return float(np.median(np.diff(self.time_s))) if len(self.time_s) > 1 else np.nan
+
+    @cached_property
     def stood_s(self) -> np.ndarray:
         """How long the drive was at each of the values it went through, (m,)."""
         anew = np.append(np.flatnonzero(np.diff(self.drive, prepend=np.nan)), len(self.drive) - 1)

@@ -4,7 +4,8 @@ import numpy as np
 from numba import njit
 
 from pipeline.number_words import worded
-from pipeline.physics.equilibrium import NEARBY, NEVER
+from pipeline.physics.arms import NEARBY
+from pipeline.physics.equilibrium import NEVER
 from pipeline.physics.frame_lag import FrameLag
 from pipeline.physics.held import dwells, longest_lag_s, usual_lag_s
 from pipeline.physics.motion import Motion

@@ -7,7 +7,7 @@ from typing import ClassVar
 import numpy as np
 
 from pipeline.physics.creep import Creep
-from pipeline.physics.held import STEP_AND_WAIT_S
+from pipeline.physics.loaded_wire import CONVERSE, LoadedWire, rests_differ
 from pipeline.physics.motion import Motion
 from pipeline.physics.term import Parameter, Surroundings, Term, Told
 
@@ -20,7 +20,7 @@ class YieldingWire(Creep):
     A wire that pulls against the joint's own spring goes on stretching as long as that pulls back,
     and a joint that has followed sags toward home again. Of that the share `foreseen` is in the
     simulation's gain: none where it is the wire's at once, all where it is that in the long run.
-    The catalogue's creep arrives late; this is its converse, which it has no word of its own for.
+    So this is creep that takes back, not creep that arrives late. Other loads: `loaded_wire.py`.
     What has settled within a dwell is not told from motion; of a robot that steps and waits, always
     as long, nothing is told from a loop that runs the other way. Form "yielding wire two" has two
     arms. `moving` and `begun`: see `Creep`. Source: standard linear solid in series with a spring
@@ -28,7 +28,6 @@ class YieldingWire(Creep):
     """
 
     grows: ClassVar = {YIELDING: (f"{YIELDING} two",)}
-    beyond = "what is taken back after each motion"
     says = (
         "Of each motion {share} is taken back, with a time constant of {time_constant}: the wire "
         "goes on stretching under the joint's load."
@@ -39,7 +38,8 @@ class YieldingWire(Creep):
         self.unlikely = CONVERSE
 
     def richer(self) -> tuple[Term, ...]:
-        return tuple(YieldingWire(form) for form in self.grows.get(self.form, ()))
+        more = tuple(YieldingWire(form) for form in self.grows.get(self.form, ()))
+        return (*more, LoadedWire()) if self.form == YIELDING else more
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
         own = tuple(
@@ -65,12 +65,10 @@ class YieldingWire(Creep):
         return np.insert(apart, FORESEEN, starts[0, FORESEEN], axis=1)
 
     def excited(self, motion: Motion, around: Surroundings) -> bool:
-        shortest, longest = np.quantile(motion.stood_s, (0.05, 0.95))
-        told = longest > VARIED * shortest or around.dwell_s < STEP_AND_WAIT_S
-        return bool(told) and super().excited(motion, around)
+        return rests_differ(motion, around) and super().excited(motion, around)
 
     def instead(self, values: np.ndarray, motion: Motion, around: Surroundings) -> Sequence[Told]:
         return ()
 
 
-CONVERSE, FORESEEN, VARIED = 6.0, 4, 1.5
+FORESEEN = 4

@@ -20,7 +20,6 @@ from pipeline.physics.running_clock import RunningClock
 from pipeline.physics.single_bump import SingleBump
 from pipeline.physics.snapping_joint import SnappingJoint
 from pipeline.physics.worn_play import WornPlay
-from pipeline.physics.yielding_wire import YieldingWire
 from pipeline.recording import Recording
 from tests.discrepancy.made import (
     ANGLE,
@@ -222,8 +221,8 @@ def stretching(dwells_s: tuple[float, float], foreseen: float) -> Recording:
 def test_a_wire_that_goes_on_stretching_takes_back_what_has_arrived(foreseen):
     result = diagnosed(stretching((3.0, 9.0), foreseen))
     (found,) = result.diagnoses
-    assert (names(result), found.verdict) == ({"creep"}, "partly_explained")
-    assert found.unexplained.where == YieldingWire.beyond
+    assert (names(result), found.verdict) == ({"creep"}, "explained")
+    assert "goes on stretching" in found.physics[0].says
     time_constant = next(p for p in found.physics[0].parameters if p.name == "time_constant")
     assert time_constant.low < 40.0 < time_constant.high < 60.0
     assert found.after.heldout_rmse < 1.1 * NOISE < found.before.heldout_rmse
@@ -248,8 +247,7 @@ def test_a_wire_that_goes_on_stretching_is_told_where_a_sampled_command_rests():
         late[k] = command[k] + (late[k - 1] - command[k]) * np.exp(-1.0 / 9.0)
     seen = 1.05 * command - 0.06 * late + rng.normal(0.0, 0.1, len(command))
     result = diagnosed(followed(time_s, command, seen, 0.0))
-    assert names(result) == {"creep"}
-    assert result.diagnoses[0].unexplained.where == YieldingWire.beyond
+    assert (names(result), result.diagnoses[0].verdict) == ({"creep"}, "explained")
     assert result.diagnoses[0].after.heldout_rmse < 0.11
 
 

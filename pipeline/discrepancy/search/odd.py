@@ -9,6 +9,7 @@ from pipeline.discrepancy.search.choose import allowed, by_term, extended
 from pipeline.discrepancy.search.polish import polished
 from pipeline.discrepancy.search.refuted import not_noise, worth_a_polish
 from pipeline.discrepancy.search.snapped import snapped_into_place
+from pipeline.discrepancy.search.strung import strung
 from pipeline.discrepancy.search.weighing import (
     LEAST_GAIN,
     Choice,
@@ -38,12 +39,13 @@ def oddly(search: Search, choices: list[Choice]) -> list[Choice]:
         return choices
     other = among(search, ground.problem, shown)
     pieces, most = best.fit.pieces, len(best.fit.pieces)
-    if search.family.prior.repeats > 0 and not not_noise(search, best):
+    noise_alone = search.family.prior.repeats > 0 and not not_noise(search, best)
+    if noise_alone:
         most = max(most - AT_ONCE, 0)
     few = (rest for size in range(MOST_KEPT + 1) for rest in combinations(pieces, size))
     sets = (*few, *map(best.fit.without, pieces))
     kept = {tuple(map(id, rest)): rest for rest in sets if len(rest) <= most}
-    found: list[Choice] = []
+    found = [] if noise_alone else strung(search, best)
     for rest in kept.values():
         fit = improve(evaluate(ground, rest), STEPS)
         for leads in by_term(screen(fit, other.effects, allowed(shown, fit), quick=True)):

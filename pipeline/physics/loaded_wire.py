@@ -1,0 +1,85 @@
+"""Creep of a wire under all that it pulls against: friction, contact and weight as well."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from pipeline.physics.arriving_late import TIMES, ArrivingLate, share_and_time
+from pipeline.physics.balance import Load
+from pipeline.physics.held import STEP_AND_WAIT_S
+from pipeline.physics.motion import Motion
+from pipeline.physics.term import Parameter, Surroundings, Term
+
+CONVERSE, VARIED = 6.0, 1.5
+ALONE, TWO = "loaded wire", "loaded wire two"
+SHARES, STIFFNESSES, LATER = (0.03, 0.1), (0.02, 0.1, 0.5), 8.0
+
+
+class LoadedWire(ArrivingLate):
+    """q (1 + share foreseen) = theta + f + x, x' = (share (theta + f / stiffness) - x) / tau.
+
+    In the balance (`balance.py`): x is what the wire has stretched by in time under its pull,
+    `stiffness` theta + f, where `stiffness` is the joint's own over the wire's and tau is
+    `time_constant`; at the first sample it is longer by `begun` than its pull there would have it.
+    Of the joint's own pull alone that is the form "yielding wire", see there for `foreseen`. Beside
+    friction the wire stretches by more, and the other way after each reversal. Form "loaded wire
+    two" has two such stretches. Source: Kelvin and Voigt's element in series with a spring
+    (standard linear solid), Findley, Lai and Onaran, Creep and Relaxation (1976), ch. 5.
+    """
+
+    in_balance = True
+    says = (
+        "Of each motion {share} is taken back, with a time constant of {time_constant}: the wire "
+        "goes on stretching under all that it pulls against."
+    )
+
+    def __init__(self, form: str = ALONE) -> None:
+        self.form = form
+        self.unlikely = CONVERSE
+
+    def richer(self) -> tuple[Term, ...]:
+        return (LoadedWire(TWO),) if self.form == ALONE else ()
+
+    def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
+        share, late = share_and_time(around)
+        late, half = replace(late, low=around.dwell_s), 0.5 * around.angle_span
+        own = (
+            share,
+            late,
+            Parameter("stiffness", "", 2e-3, 10.0, 0.05, 0.0),
+            Parameter("foreseen", "", 0.0, 1.0, 0.5, 0.5, weak=True),
+            Parameter("begun", around.angle_unit, -half, half, 0.0, 0.25 * half, weak=True),
+        )
+        if self.form == ALONE:
+            return own
+        return (
+            *own,
+            Parameter("share_2", "", 0.0, 0.8, 0.02, 0.1),
+            replace(late, name="time_constant_2", high=3.0 * late.high, start=LATER * late.start),
+        )
+
+    def load(self, values: np.ndarray, motion: Motion, state: np.ndarray | None) -> Load:
+        stiffness, foreseen, begun = values[2:5]
+        runs = motion.usual_dwell_s < STEP_AND_WAIT_S if state is None else state[0]
+        rows = [[*values[:2], stiffness, runs, begun], [*values[-2:], stiffness, runs, 0.0]]
+        wire = np.array(rows[: 1 if self.form == ALONE else 2], dtype=float)
+        known = np.zeros(0) if np.isnan(motion.usual_dwell_s) and state is None else wire[0, 3:4]
+        return Load(wire=wire, foreseen=float(foreseen * np.sum(wire[:, 0])), carried=known)
+
+    def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
+        dwell_s = max(around.dwell_s, 1e-9)
+        rows = [
+            [s, k * dwell_s, own, 0.5, 0.0] for s in SHARES for k in TIMES for own in STIFFNESSES
+        ]
+        if self.form == TWO:
+            rows = [[*r, 0.02, LATER * r[1]] for r in rows]
+        return np.array(rows)
+
+    def excited(self, motion: Motion, around: Surroundings) -> bool:
+        return rests_differ(motion, around) and super().excited(motion, around)
+
+
+def rests_differ(motion: Motion, around: Surroundings) -> bool:
+    """Whether a command rests so differently long, or so short, that time tells from the way."""
+    shortest, longest = np.quantile(motion.stood_s, (0.05, 0.95))
+    return bool(longest > VARIED * shortest or around.dwell_s < STEP_AND_WAIT_S)

@@ -1,0 +1,54 @@
+"""Wires that go on stretching under their pull (Kelvin and Voigt): `Load.wire` in `balance.py`."""
+
+import numpy as np
+
+from pipeline.physics.tabled import inlined
+
+BRIEF = 1e-9  # dwells over a time constant
+LONGEST = 1e6  # a joint that nothing holds goes on until then
+
+
+@inlined
+def _grown(wire, dwell, eases):  # type: ignore[no-untyped-def]
+    """How far a wire stretches over a dwell, of the way to where its pull would have it.
+
+    And the share in that pull of the one at the end, the other being that at the beginning: where
+    the drive runs the pull changes evenly between them. Where it is held, the pull at the end has
+    all, and it is exact where that changes with the stretch, of which the joint follows `eases`.
+    """
+    wait = dwell / wire[1]
+    if wire[3] > 0.0:
+        gone = 1.0 - np.exp(-wait)
+        return gone, 1.0 / gone - 1.0 / wait if wait > BRIEF else 0.5
+    more = wire[0] * (eases + (1.0 - eases) / wire[2])
+    left = np.exp(-(1.0 + more) * wait)
+    return (1.0 - left) / (1.0 + left * more), 1.0
+
+
+@inlined
+def lengthening(asked, stretched, dwell, eases, wire):  # type: ignore[no-untyped-def]
+    """Stiffness and stretch at 0 of wires that go on stretching over a dwell, for one angle then.
+
+    Their stretches go to share * pull, the pull being own * theta + f in `balance.py`, over own.
+    stretched: all of them, and the pull at the beginning.
+    """
+    share, kept, before = 0.0, 0.0, stretched[-1]
+    for j in range(wire.shape[0]):
+        grown, late = _grown(wire[j], dwell, eases)
+        share += grown * late * wire[j, 0]
+        kept += stretched[j] + grown * ((1.0 - late) * wire[j, 0] * before - stretched[j])
+    own = wire[0, 2]
+    return share * (own - 1.0) / (own + share), (own * kept + share * asked) / (own + share)
+
+
+@inlined
+def lengthen(theta, asked, yields, stretched, dwell, eases, wire):  # type: ignore[no-untyped-def]
+    """Their stretches and pull (in place) at the angle in which that ends."""
+    load, before = asked - theta * (1.0 + yields[0]) - yields[1], stretched[-1]
+    pull = theta + load / wire[0, 2]
+    for j in range(wire.shape[0]):
+        grown, late = _grown(wire[j], dwell, eases)
+        mean = late * pull + (1.0 - late) * before
+        longer = stretched[j] + grown * (wire[j, 0] * mean - stretched[j])
+        stretched[j] = min(max(longer, -LONGEST), LONGEST)
+    stretched[-1] = min(max(pull, -LONGEST), LONGEST)

@@ -1,0 +1,91 @@
+"""A wire that goes on stretching under its load against many small steps in time."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from pipeline.physics.friction import Friction
+from pipeline.physics.kinematics import IdentityCurve
+from pipeline.physics.loaded_wire import LoadedWire, rests_differ
+from pipeline.physics.mechanism import Mechanism
+from pipeline.physics.motion import Motion
+from pipeline.physics.piece import Piece
+from pipeline.physics.term import Surroundings
+
+SHARES, TIMES_S, OWN, FORESEEN, BEGUN = (0.12, 0.05), (6.0, 40.0), 0.04, 0.5, 0.7
+WIDTH, REACH = 1.2, 0.8
+FINE = 200
+CORNERS = [0.0, 10.0, -8.0, 6.0, -2.0, 9.0, 0.0]
+
+
+def motion_of(step_s: float) -> Motion:
+    drive = np.concatenate([np.linspace(a, b, 40) for a, b in pairwise(CORNERS)])
+    return Motion(drive, step_s * np.arange(len(drive)), np.zeros(len(drive), dtype=int))
+
+
+def pieces_of(arms: int, rubs: bool) -> list[Piece]:
+    form = "loaded wire two" if arms == 2 else "loaded wire"
+    more = [SHARES[1], TIMES_S[1]] if arms == 2 else []
+    wire = np.array([SHARES[0], TIMES_S[0], OWN, FORESEEN, BEGUN, *more])
+    friction = Piece(Friction("symmetric"), np.array([WIDTH, REACH, 0.0]))
+    return [Piece(LoadedWire(form), wire), *([friction] if rubs else [])]
+
+
+def stretched(motion: Motion, arms: int, rubs: bool, runs: bool) -> np.ndarray:
+    """The joint's angle by explicit small steps: the slider mapped back, the wire by Euler."""
+    firm = 0.5 * WIDTH / REACH if rubs else 0.0
+    limit = 0.5 * WIDTH if rubs else 0.0
+    share, late_s = np.array(SHARES[:arms]), np.array(TIMES_S[:arms])
+    asked = motion.drive * (1.0 + FORESEEN * share.sum())
+    theta = asked[0] / (1.0 + share.sum())
+    longer, anchor = share * theta, theta
+    longer[0] += BEGUN
+    out = np.empty(len(asked))
+    for k, ends in enumerate(asked):
+        before, dwell = asked[max(k - 1, 0)], motion.dwell_s[k]
+        for part in range(1, FINE + 1):
+            q = before + (ends - before) * part / FINE if runs else ends
+            free = q - longer.sum()
+            theta = (free + firm * anchor) / (1.0 + firm)
+            load = firm * (theta - anchor)
+            if abs(load) > limit:
+                load = np.sign(load) * limit
+                theta = free - load
+                anchor = theta - load / firm if firm else theta
+            longer = longer + dwell / FINE / late_s * (share * (theta + load / OWN) - longer)
+        out[k] = theta
+    return out
+
+
+@pytest.mark.parametrize("arms", [1, 2])
+@pytest.mark.parametrize("rubs", [False, True])
+@pytest.mark.parametrize(("step_s", "runs"), [(0.2, True), (3.0, False)])
+def test_small_steps_in_time_come_to_the_same(arms, rubs, step_s, runs):
+    motion = motion_of(step_s)
+    found = Mechanism(IdentityCurve(), pieces_of(arms, rubs)).respond(motion)[0]
+    expected = stretched(motion, arms, rubs, runs)
+    without = Mechanism(IdentityCurve(), pieces_of(arms, rubs)[1:]).respond(motion)[0]
+    effect = np.ptp(found - without)
+    assert effect > 0.4
+    np.testing.assert_allclose(found, expected, atol=0.02 * effect)
+
+
+@pytest.mark.parametrize("step_s", [0.2, 3.0])
+def test_it_goes_on_where_it_was(step_s):
+    motion, mechanism = motion_of(step_s), Mechanism(IdentityCurve(), pieces_of(2, rubs=True))
+    whole, _ = mechanism.respond(motion)
+    parts, state = [], None
+    for begin, end in pairwise((0, 1, 100, 101, 180, 240)):
+        part, state = mechanism.respond(motion.rows(slice(begin, end)), state)
+        parts.append(part)
+    np.testing.assert_allclose(np.concatenate(parts), whole, atol=1e-9)
+
+
+def test_it_is_looked_for_where_rests_differ_or_are_short():
+    around = Surroundings(dwell_s=3.0)
+    drive = np.repeat(np.arange(40.0), np.tile([1, 4], 20))
+    motion = Motion(drive, 3.0 * np.arange(len(drive)), np.zeros(len(drive), dtype=int))
+    assert rests_differ(motion, around)
+    assert not rests_differ(motion_of(3.0), around)
+    assert rests_differ(motion_of(0.2), Surroundings(dwell_s=0.2))
