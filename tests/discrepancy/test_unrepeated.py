@@ -245,10 +245,20 @@ def test_a_slip_far_larger_than_the_rest_stays_and_so_does_what_is_foretold_besi
 @pytest.mark.long
 def test_a_zero_that_walks_at_random_by_twice_the_noise_is_seldom_drift_or_slip():
     verdicts = []
-    for seed in range(1, 9):
+    for seed in range(1, 25):
         recording = moved(20.0 * WAVES, seed=seed)
         walk = np.cumsum(np.random.default_rng(seed).standard_normal(ROWS))
         tip = recording.values("tip_deg") + 2.0 * NOISE / np.std(walk) * walk
         walking = Recording(recording.samples.assign(tip_deg=tip), CHANNELS, "simulated")
         verdicts.append(diagnose(DiagnosisConfig(), walking).diagnoses[0].verdict)
-    assert verdicts.count("no_mismatch") >= 6
+    assert verdicts.count("no_mismatch") >= 20
+
+
+@pytest.mark.parametrize(("seed", "size"), [(1, 0.7), (2, 1.0)])
+def test_a_drift_is_told_in_place_of_a_walk_where_no_cycle_repeats_another(seed, size):
+    time = TIME_S / TIME_S[-1]
+    course = time if seed % 2 else 1.0 - np.exp(-time / 0.4)
+    recording = moved(20.0 * WAVES, seed=seed)
+    tip = recording.values("tip_deg") + size * NOISE / np.std(course) * course
+    drifting = Recording(recording.samples.assign(tip_deg=tip), CHANNELS, "simulated")
+    assert named(drifting) == {"drift"}

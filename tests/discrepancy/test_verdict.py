@@ -8,6 +8,7 @@ import pytest
 from pipeline.discrepancy.fitting.fit import evaluate
 from pipeline.discrepancy.judgement.structure import Structure
 from pipeline.discrepancy.judgement.verdict import (
+    least_lead,
     sure_of_slow,
     told_but_for_its_form,
     unless_nothing,
@@ -17,7 +18,7 @@ from pipeline.discrepancy.search.explain import Explanation
 from pipeline.discrepancy.search.weighing import Choice, names
 from pipeline.physics.catalogue import term
 from pipeline.physics.piece import Piece
-from tests.discrepancy.made import explained, recorded
+from tests.discrepancy.made import explained, explanation_of, recorded
 
 DRIFT = Piece(term("drift", "linear"), np.array([0.3]))
 PLAY = Piece(term("backlash"), np.array([4.0]))
@@ -122,3 +123,23 @@ def test_a_rest_of_a_twentieth_of_the_mismatch_is_the_form_of_what_was_named(
     assert (kept.found, kept.where, kept.share) == (told, "the cycle", share)
     nothing = next(c for c in found.choices if not c.fit.pieces)
     assert told_but_for_its_form(found, nothing, rest) == rest
+
+
+@pytest.mark.parametrize(
+    ("repeats", "place", "pieces", "odds"),
+    [
+        (4, WALKS, (DRIFT,), 1.0),
+        (0, WALKS, (DRIFT,), 10.0),
+        (0, WALKS_FAR, (DRIFT,), 3.0),
+        (0, WALKS_FAR, (DRIFT, PLAY), 10.0),
+        (4, JITTERS, (DRIFT,), 10.0),
+    ],
+)
+def test_a_drift_alone_is_told_in_place_of_a_walk_at_lower_odds_than_other_names(
+    calm: Explanation, repeats: int, place: Place, pieces: tuple[Piece, ...], odds: float
+) -> None:
+    ground = calm.choices[0].fit.ground
+    drift = Choice(evaluate(ground, pieces), STILL, 0.0)
+    walk = Choice(evaluate(ground, []), place, 0.0)
+    lead = least_lead(explanation_of([drift, walk], repeats=repeats), drift, walk)
+    assert lead == pytest.approx(2.0 * np.log(odds))

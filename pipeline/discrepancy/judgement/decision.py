@@ -141,8 +141,13 @@ def unrepeated(explanation: Explanation, choice: Choice) -> bool:
 
 
 def unsure_walk(explanation: Explanation, told: Choice, best: Choice) -> bool:
-    """Whether the zero of what stays walks, of one that was told where no cycle repeats another."""
-    return unrepeated(explanation, told) and best.fit.ground.noise.walk > 0.0
+    """Whether the zero of what stays walks, of one that was told where no cycle repeats another.
+
+    Of one without names only if it is smoother than a walk: that alone is no mismatch.
+    """
+    if not (unrepeated(explanation, told) and best.fit.ground.noise.walk > 0.0):
+        return False
+    return bool(told.fit.pieces) or smoother_than_a_walk(best)
 
 
 def moves_smoothly(explanation: Explanation, choice: Choice) -> bool:

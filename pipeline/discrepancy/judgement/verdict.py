@@ -25,7 +25,7 @@ MOST_LEFT = 0.1
 PLAINLY, PLAINLY_OF_PILE = 4.0, 8.0
 UNFOLLOWED = 0.7
 FORM_ERROR = 0.05
-ODDS, BESIDE, RESTLESS, COMMONER = 10.0, 3.0, 7.0, 9.0
+ODDS, OVER_RESTLESS, BESIDE, RESTLESS, COMMONER = 10.0, 3.0, 3.0, 7.0, 9.0
 USUAL_WALK, USUAL_JITTER = 3, 4  # places: 0.017 of the noise from row to row; 0.6 of it by cycle
 
 
@@ -84,11 +84,15 @@ def unless_nothing(explanation: Explanation, best: Choice) -> Choice:
 def least_lead(explanation: Explanation, best: Choice, rival: Choice) -> float:
     """-2 log of the odds that the best choice must have against one of fewer names: ODDS to 1.
 
-    But even ones where cycles repeat, for a drift alone in place of a zero that walks: by their
-    terms' charges such a zero comes out as a drift in one of fifty recordings.
+    But even ones, where cycles repeat, for a drift alone in place of a zero that walks: by their
+    terms' charges such a zero comes out as a drift in one of fifty recordings. Where none repeats,
+    OVER_RESTLESS to 1 in place of one that walks more than a sensor's does.
     """
     drift = names(best) == {Drift.name} and best.place[2] == 0 < rival.place[2]
-    return 0.0 if drift and explanation.prior.repeats > 0 else 2.0 * float(np.log(ODDS))
+    if drift and explanation.prior.repeats > 0:
+        return 0.0
+    restless = drift and rival.place[2] > USUAL_WALK
+    return 2.0 * float(np.log(OVER_RESTLESS if restless else ODDS))
 
 
 def unless_it_wanders(explanation: Explanation, best: Choice) -> Choice:
