@@ -130,9 +130,9 @@ def settle(
         asked = asked + curve.spared(motion.drive, middle, half)
     if load.foreseen > 0.0:
         asked = asked * (1.0 + load.foreseen)
-    wire = load.wire
-    if len(wire) and linear < 0.0:
-        wire = wire.copy()
+    wire = np.empty((len(load.wire), 7))
+    wire[:, :5] = load.wire
+    if linear < 0.0:
         wire[:, 2] = np.maximum(wire[:, 2], -FIRMER * linear)
     pushed = np.zeros(len(asked))
     if gravity != 0.0:

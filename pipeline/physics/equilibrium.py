@@ -11,7 +11,7 @@ from numba import njit
 from pipeline.physics.arms import let_go, power, pulled, relax
 from pipeline.physics.decay import decayed
 from pipeline.physics.pre_sliding import bristled
-from pipeline.physics.stretching import lengthen, lengthening
+from pipeline.physics.stretching import lengthen, lengthening, stretch
 from pipeline.physics.tabled import inlined, ramped, waved
 
 SWEEPS, PATIENCE = 40, 8
@@ -363,7 +363,7 @@ def balance(q, pushed, dwell, loads, state, out):  # type: ignore[no-untyped-def
             asked, joint, q[0], softest + yields[0], pushed[0] - yields[1], alone, slip[:0], ends
         )
         if wires > 0:
-            lengthen(joint[0], q[0], yields, stretched, NEVER, 1.0, wire)
+            lengthen(joint[0], q[0], yields, stretched, wire)
             for j in range(wires):
                 stretched[j] += wire[j, 4]
         far[:] = joint[0]
@@ -375,8 +375,9 @@ def balance(q, pushed, dwell, loads, state, out):  # type: ignore[no-untyped-def
         at, last = joint[0] + (q[t] + pushed[t] - asked) * joint[1][2], joint[0]
         asked, late = q[t] + pushed[t], 0.0
         if wires > 0:
-            follows = 1.0
-            yields = lengthening(q[t], stretched, 0.0 if waits else dwell[t], follows, wire)
+            yields = (0.0, stretch(stretched, wire))
+            if not waits:
+                yields = lengthening(q[t], stretched, dwell[t], 1.0, wire)
             stiff, pull = stiff + yields[0], pull - yields[1]
         if drag > 0.0:
             joint, firm, hold, pull = _dwelt(
@@ -392,15 +393,14 @@ def balance(q, pushed, dwell, loads, state, out):  # type: ignore[no-untyped-def
                 let_go(eased, relaxed, arm)
             late, last = relax(joint[0], far, arm), joint[0]
             if wires > 0:
-                stiff, pull = stiff - yields[0], pull + yields[1]
-                follows = joint[1][2]
-                yields = lengthening(q[t], stretched, dwell[t], follows, wire)
+                pull += yields[1]
+                yields = lengthening(q[t], stretched, dwell[t], joint[1][2], wire)
                 stiff, pull = stiff + yields[0], pull - yields[1]
             joint = _moved(last + late * eased, joint, q[t], stiff, pull + late, bends, slip, ends)
             _bend(last, joint[0], bends)
             firm = max(_stiffness(joint[1], bends) - hold[2], SOFTEST)
         if wires > 0:
-            lengthen(joint[0], q[t], yields, stretched, dwell[t], follows, wire)
+            lengthen(joint[0], q[t], yields, stretched, wire)
         out[t] = joint[0]
     _forces(joint[2][0], joint[0], ends, slip)
     state[0], state[1], state[-1] = asked, joint[0], firm

@@ -6,13 +6,14 @@ import numpy as np
 
 from pipeline.physics.arriving_late import TIMES, ArrivingLate, share_and_time
 from pipeline.physics.balance import Load
+from pipeline.physics.creep import SLOWEST
 from pipeline.physics.held import STEP_AND_WAIT_S
 from pipeline.physics.motion import Motion
 from pipeline.physics.term import Parameter, Surroundings, Term
 
-CONVERSE, VARIED = 6.0, 1.5
+CONVERSE, VARIED, LEAST = 6.0, 1.5, 5e-3
 ALONE, TWO = "loaded wire", "loaded wire two"
-SHARES, STIFFNESSES, LATER = (0.03, 0.1), (0.02, 0.1, 0.5), 8.0
+SHARE, STIFFNESSES, LATER = 0.07, (0.02, 0.1, 0.5), 8.0
 
 
 class LoadedWire(ArrivingLate):
@@ -20,8 +21,8 @@ class LoadedWire(ArrivingLate):
 
     In the balance (`balance.py`): x is what the wire has stretched by in time under its pull,
     `stiffness` theta + f, where `stiffness` is the joint's own over the wire's and tau is
-    `time_constant`; at the first sample it is longer by `begun` than its pull there would have it.
-    Of the joint's own pull alone that is the form "yielding wire", see there for `foreseen`. Beside
+    `time_constant`. For long before the first sample the joint was `begun` farther than there. Of
+    the joint's own pull alone that is the form "yielding wire", see there for `foreseen`. Beside
     friction the wire stretches by more, and the other way after each reversal. Form "loaded wire
     two" has two such stretches. Source: Kelvin and Voigt's element in series with a spring
     (standard linear solid), Findley, Lai and Onaran, Creep and Relaxation (1976), ch. 5.
@@ -42,13 +43,13 @@ class LoadedWire(ArrivingLate):
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
         share, late = share_and_time(around)
-        late, half = replace(late, low=around.dwell_s), 0.5 * around.angle_span
+        late, span = replace(late, low=around.dwell_s), around.angle_span
         own = (
             share,
             late,
             Parameter("stiffness", "", 2e-3, 10.0, 0.05, 0.0),
             Parameter("foreseen", "", 0.0, 1.0, 0.5, 0.5, weak=True),
-            Parameter("begun", around.angle_unit, -half, half, 0.0, 0.25 * half, weak=True),
+            Parameter("begun", around.angle_unit, -span, span, 0.0, 0.25 * span, weak=True),
         )
         if self.form == ALONE:
             return own
@@ -61,19 +62,22 @@ class LoadedWire(ArrivingLate):
     def load(self, values: np.ndarray, motion: Motion, state: np.ndarray | None) -> Load:
         stiffness, foreseen, begun = values[2:5]
         runs = motion.usual_dwell_s < STEP_AND_WAIT_S if state is None else state[0]
-        rows = [[*values[:2], stiffness, runs, begun], [*values[-2:], stiffness, runs, 0.0]]
-        wire = np.array(rows[: 1 if self.form == ALONE else 2], dtype=float)
+        stretches = [values[:2], values[-2:]][: 1 if self.form == ALONE else 2]
+        wire = np.array([[s, late_s, stiffness, runs, s * begun] for s, late_s in stretches])
         known = np.zeros(0) if np.isnan(motion.usual_dwell_s) and state is None else wire[0, 3:4]
         return Load(wire=wire, foreseen=float(foreseen * np.sum(wire[:, 0])), carried=known)
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
         dwell_s = max(around.dwell_s, 1e-9)
-        rows = [
-            [s, k * dwell_s, own, 0.5, 0.0] for s in SHARES for k in TIMES for own in STIFFNESSES
-        ]
+        rows = [[SHARE, k * dwell_s, own, 0.5, 0.0] for k in TIMES for own in STIFFNESSES]
         if self.form == TWO:
             rows = [[*r, 0.02, LATER * r[1]] for r in rows]
         return np.array(rows)
+
+    def slight(self, values: np.ndarray, around: Surroundings) -> bool:
+        """Of two stretches one that is hardly any, or so slow that its one settling is a drift."""
+        least = min(values[0], values[-2])
+        return self.form == TWO and bool(least < LEAST or values[-1] > SLOWEST * around.period_s)
 
     def excited(self, motion: Motion, around: Surroundings) -> bool:
         return rests_differ(motion, around) and super().excited(motion, around)

@@ -26,15 +26,26 @@ def _grown(wire, dwell, eases):  # type: ignore[no-untyped-def]
 
 
 @inlined
+def stretch(stretched, wire):  # type: ignore[no-untyped-def]
+    """How long all wires are by now."""
+    longer = 0.0
+    for j in range(wire.shape[0]):
+        longer += stretched[j]
+    return longer
+
+
+@inlined
 def lengthening(asked, stretched, dwell, eases, wire):  # type: ignore[no-untyped-def]
     """Stiffness and stretch at 0 of wires that go on stretching over a dwell, for one angle then.
 
     Their stretches go to share * pull, the pull being own * theta + f in `balance.py`, over own.
-    stretched: all of them, and the pull at the beginning.
+    stretched: all of them, and the pull at the beginning. wire: as `Load.wire`, and two columns to
+    keep what `_grown` says until they are longer.
     """
     share, kept, before = 0.0, 0.0, stretched[-1]
     for j in range(wire.shape[0]):
         grown, late = _grown(wire[j], dwell, eases)
+        wire[j, 5], wire[j, 6] = grown, late
         share += grown * late * wire[j, 0]
         kept += stretched[j] + grown * ((1.0 - late) * wire[j, 0] * before - stretched[j])
     own = wire[0, 2]
@@ -42,13 +53,12 @@ def lengthening(asked, stretched, dwell, eases, wire):  # type: ignore[no-untype
 
 
 @inlined
-def lengthen(theta, asked, yields, stretched, dwell, eases, wire):  # type: ignore[no-untyped-def]
+def lengthen(theta, asked, yields, stretched, wire):  # type: ignore[no-untyped-def]
     """Their stretches and pull (in place) at the angle in which that ends."""
     load, before = asked - theta * (1.0 + yields[0]) - yields[1], stretched[-1]
     pull = theta + load / wire[0, 2]
     for j in range(wire.shape[0]):
-        grown, late = _grown(wire[j], dwell, eases)
-        mean = late * pull + (1.0 - late) * before
-        longer = stretched[j] + grown * (wire[j, 0] * mean - stretched[j])
+        mean = wire[j, 6] * pull + (1.0 - wire[j, 6]) * before
+        longer = stretched[j] + wire[j, 5] * (wire[j, 0] * mean - stretched[j])
         stretched[j] = min(max(longer, -LONGEST), LONGEST)
     stretched[-1] = min(max(pull, -LONGEST), LONGEST)

@@ -13,7 +13,7 @@ from pipeline.physics.motion import Motion
 from pipeline.physics.piece import Piece
 from pipeline.physics.term import Surroundings
 
-SHARES, TIMES_S, OWN, FORESEEN, BEGUN = (0.12, 0.05), (6.0, 40.0), 0.04, 0.5, 0.7
+SHARES, TIMES_S, OWN, FORESEEN, BEGUN = (0.12, 0.05), (6.0, 40.0), 0.04, 0.5, 6.0
 WIDTH, REACH = 1.2, 0.8
 FINE = 200
 CORNERS = [0.0, 10.0, -8.0, 6.0, -2.0, 9.0, 0.0]
@@ -40,7 +40,7 @@ def stretched(motion: Motion, arms: int, rubs: bool, runs: bool) -> np.ndarray:
     asked = motion.drive * (1.0 + FORESEEN * share.sum())
     theta = asked[0] / (1.0 + share.sum())
     longer, anchor = share * theta, theta
-    longer[0] += BEGUN
+    longer += share * BEGUN
     out = np.empty(len(asked))
     for k, ends in enumerate(asked):
         before, dwell = asked[max(k - 1, 0)], motion.dwell_s[k]

@@ -14,7 +14,7 @@ from pipeline.physics.loaded_wire import LoadedWire
 from pipeline.physics.piece import Piece
 
 WIRE, RUBBING = LoadedWire(), Friction()
-BEGUN, STEPS, FURTHER = 12, 4, 3
+BEGUN, STEPS, FURTHER = 8, 4, 2
 
 
 def strung(search: Search, choice: Choice) -> list[Choice]:
