@@ -38,9 +38,9 @@ Toe = tuple[float, float, float, float]
 Wires = tuple[float, float, float, float, float, float, float]
 Smooth = tuple[float, float, float, float]
 Bends = tuple[Any, ...]
-Loads = tuple[np.ndarray, np.ndarray, float, float, Bends | None, np.ndarray]
+Loads = tuple[np.ndarray, np.ndarray, float, float, Bends | None, np.ndarray | None]
 """Sliders, arms (a, 5) with three columns to work in, drag, the softest spring, all that bends,
-wires that yield."""
+wires that go on stretching."""
 IDEAL: Wires = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
 
 
@@ -130,10 +130,7 @@ def settle(
         asked = asked + curve.spared(motion.drive, middle, half)
     if load.foreseen > 0.0:
         asked = asked * (1.0 + load.foreseen)
-    wire = np.empty((len(load.wire), 7))
-    wire[:, :5] = load.wire
-    if linear < 0.0:
-        wire[:, 2] = np.maximum(wire[:, 2], -FIRMER * linear)
+    wire = wires_of(load)
     pushed = np.zeros(len(asked))
     if gravity != 0.0:
         pushed -= gravity * np.sin(zero)
@@ -145,7 +142,7 @@ def settle(
     arms, upright = len(load.arm), 3 + len(load.slip)
     pads = upright + len(load.bristle)
     ends = pads + len(load.pad)
-    wires = len(wire) + 1 if len(wire) else 0
+    wires = 0 if wire is None else len(wire) + 1
     carried = np.zeros(ends + 1 + arms + wires) if state is None else state.copy()
     if state is None:
         carried[pads:ends] = NEVER
@@ -169,6 +166,19 @@ def settle(
         )  # fmt: skip
         carried[0] = motion.time_s[-1]
     return angle, {BALANCE: carried, **states}
+
+
+def wires_of(load: Load) -> np.ndarray | None:
+    """The wires that go on stretching, with two columns to work in, (w, 7); None where none does.
+
+    What drives the joint away from home is held by a joint's own spring that is firmer.
+    """
+    if len(load.wire) == 0:
+        return None
+    wire = np.empty((len(load.wire), 7))
+    wire[:, :5] = load.wire
+    wire[:, 2] = np.maximum(wire[:, 2], -FIRMER * load.smooth[0])
+    return wire
 
 
 def as_held(asked: np.ndarray, dwell: np.ndarray, drag: float, before: float) -> np.ndarray:
@@ -217,14 +227,14 @@ def solve(
     """
     slip, arm, drag, _, bends, wire = loads
     remembers = bends is not None and (len(bends[8]) > 0 or len(bends[11]) > 0)
-    slides = len(slip) > 0 or drag > 0.0 or remembers or len(wire) > 0
+    slides = len(slip) > 0 or drag > 0.0 or remembers or wire is not None
     if bends is not None and not slides and len(asked) >= FEWEST:
         if len(arm) == 0 and settled(asked, pushed, loads, state, angle):
             return
         if len(arm) > 0 and crept(asked, pushed, dwell, loads, state, angle):
             return
     begins = motion.cycle_begins
-    if len(arm) > 0 or drag > 0.0 or len(wire) > 0 or len(begins) < FEWEST_CYCLES + 1:
+    if len(arm) > 0 or drag > 0.0 or wire is not None or len(begins) < FEWEST_CYCLES + 1:
         balance(asked, pushed, dwell, loads, state, angle)
         return
     states = np.empty((len(begins) - 1, len(state)))
@@ -260,6 +270,7 @@ def bending(
         free,
         load.pad,
         pressed,
+        0.0,
     )
 
 

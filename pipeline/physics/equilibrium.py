@@ -11,7 +11,14 @@ from numba import njit
 from pipeline.physics.arms import let_go, power, pulled, relax
 from pipeline.physics.decay import decayed
 from pipeline.physics.pre_sliding import bristled
-from pipeline.physics.stretching import lengthen, lengthening, stretch
+from pipeline.physics.stretching import (
+    begin,
+    held_through,
+    lengthen,
+    lengthening,
+    longer_by,
+    slots,
+)
 from pipeline.physics.tabled import inlined, ramped, waved
 
 SWEEPS, PATIENCE = 40, 8
@@ -98,7 +105,7 @@ def _missing(at, start, asked, stiff, pull, bends):  # type: ignore[no-untyped-d
     Where wires hang loose, it is the equation of their pull, which never gets steep.
     """
     cubic, gravity, zero, unit, contact, give, loose, pretension, bristle, bent, _ = bends[:11]
-    pad, pressed = bends[11], bends[12]
+    pad, pressed, soft = bends[11], bends[12], bends[13]
     load, steep = at * stiff - pull, stiff
     if cubic != 0.0:
         load += cubic * at * at * at
@@ -117,7 +124,7 @@ def _missing(at, start, asked, stiff, pull, bends):  # type: ignore[no-untyped-d
         load += other
         steep += steeper
     more, softer, wires = _wires(at, load, steep, give, pretension)
-    rest, slope, taut = at + load + more - asked, 1.0 + steep + softer, 1.0
+    rest, slope, taut = at + soft * at + load + more - asked, 1.0 + soft + steep + softer, 1.0
     half, sharpness, own, firm, centre, toe, reach = loose
     if sharpness > 0.0:
         pulling, taut = _loose(own * (at - centre) + load - rest, half, sharpness)
@@ -174,7 +181,7 @@ def _settled(at, start, asked, stiff, pull, tangent, bends):  # type: ignore[no-
     """The same: on a line, which needs no angle to begin at, where nothing touches the joint."""
     low, high = bends[10]
     if low < high:
-        slope = 1.0 + stiff
+        slope = 1.0 + stiff + bends[13]
         yielding = tangent[1] if slope == tangent[0] else 1.0 / slope
         there = (asked + pull) * yielding
         if low < there < high:
@@ -256,6 +263,16 @@ def _without_bristles(bends):  # type: ignore[no-untyped-def]
     if bends is None:
         return bends
     return (*bends[:8], bends[8][:0], *bends[9:])
+
+
+@inlined
+def _softened(stiff, soft, bends, wire):  # type: ignore[no-untyped-def]
+    """Stiffness, and what bends, where wires stretch by `soft` times the angle besides."""
+    if wire is None:
+        return stiff, bends
+    if bends is None:
+        return stiff + soft, bends
+    return stiff, (*bends[:13], soft)
 
 
 @inlined
@@ -346,26 +363,19 @@ def balance(q, pushed, dwell, loads, state, out):  # type: ignore[no-untyped-def
     slope, one over it, and how far the joint moves for what is asked and for a load.
     """
     slip, arm, drag, softest, bends, wire = loads
-    arms, wires, hold = arm.shape[0], wire.shape[0], (-1.0, -1.0, 0.0, (NEVER, 0.0), 0.0)
-    last = state.size - 1 - (wires + 1 if wires > 0 else 0)
+    arms, hold = arm.shape[0], (-1.0, -1.0, 0.0, (NEVER, 0.0), 0.0)
+    last = state.size - 1 - slots(wire)
     ends, far = state[2 : 2 + slip.shape[0]], state[last - arms : last]
-    stretched, yields = state[last:-1], (0.0, 0.0)
-    waits = arms > 0
-    if wires > 0:
-        waits = waits or wire[0, 3] == 0.0
+    stretched, waits = state[last:-1], arms > 0 or held_through(wire)
     asked, joint, firm = state[0], (state[1], STRAIGHT, (1.0, 0.0, 0.0, NEVER)), state[-1]
     if firm == 0.0:
         asked, firm = q[0] + pushed[0], 1.0
         joint, alone = (asked, STRAIGHT, joint[2]), _without_bristles(bends)
-        if wires > 0:
-            yields = lengthening(q[0], stretched, NEVER, 1.0, wire)
-        joint = _moved(
-            asked, joint, q[0], softest + yields[0], pushed[0] - yields[1], alone, slip[:0], ends
-        )
-        if wires > 0:
-            lengthen(joint[0], q[0], yields, stretched, wire)
-            for j in range(wires):
-                stretched[j] += wire[j, 4]
+        yields = lengthening(q[0], stretched, NEVER, 1.0, wire)
+        stiff, alone = _softened(softest, yields[0], alone, wire)
+        joint = _moved(asked, joint, q[0] - yields[1], stiff, pushed[0], alone, slip[:0], ends)
+        lengthen(joint[0], q[0], yields, stretched, wire)
+        begin(stretched, wire)
         far[:] = joint[0]
     _ends(1.0, joint[0], ends, slip)
     joint = (joint[0], joint[1], _line(1.0, joint[0], ends, slip))
@@ -374,33 +384,32 @@ def balance(q, pushed, dwell, loads, state, out):  # type: ignore[no-untyped-def
         stiff, pull = pulled(softest, pushed[t], far, arm)
         at, last = joint[0] + (q[t] + pushed[t] - asked) * joint[1][2], joint[0]
         asked, late = q[t] + pushed[t], 0.0
-        if wires > 0:
-            yields = (0.0, stretch(stretched, wire))
-            if not waits:
-                yields = lengthening(q[t], stretched, dwell[t], 1.0, wire)
-            stiff, pull = stiff + yields[0], pull - yields[1]
+        yields = longer_by(stretched, wire)
+        if not waits:
+            yields = lengthening(q[t], stretched, dwell[t], 1.0, wire)
+        free = q[t] - yields[1]
+        firmer, bends = _softened(stiff, yields[0], bends, wire)
         if drag > 0.0:
             joint, firm, hold, pull = _dwelt(
-                at, joint, q[t], stiff, pull, dwell[t], drag, firm, hold, bends, slip, ends
+                at, joint, free, firmer, pull, dwell[t], drag, firm, hold, bends, slip, ends
             )
             stiff += hold[2]
         else:
-            joint = _moved(at, joint, q[t], stiff, pull, bends, slip, ends)
+            joint = _moved(at, joint, free, firmer, pull, bends, slip, ends)
             _bend(last, joint[0], bends)
         if waits:
             if eased != joint[1][3] or abs(dwell[t] - relaxed) > SAME_DWELL * relaxed:
                 eased, relaxed = joint[1][3], dwell[t]
                 let_go(eased, relaxed, arm)
             late, last = relax(joint[0], far, arm), joint[0]
-            if wires > 0:
-                pull += yields[1]
-                yields = lengthening(q[t], stretched, dwell[t], joint[1][2], wire)
-                stiff, pull = stiff + yields[0], pull - yields[1]
-            joint = _moved(last + late * eased, joint, q[t], stiff, pull + late, bends, slip, ends)
+            yields = lengthening(q[t], stretched, dwell[t], joint[1][2], wire)
+            free = q[t] - yields[1]
+            firmer, bends = _softened(stiff, yields[0], bends, wire)
+            at = last + late * eased
+            joint = _moved(at, joint, free, firmer, pull + late, bends, slip, ends)
             _bend(last, joint[0], bends)
             firm = max(_stiffness(joint[1], bends) - hold[2], SOFTEST)
-        if wires > 0:
-            lengthen(joint[0], q[t], yields, stretched, wire)
+        lengthen(joint[0], q[t], yields, stretched, wire)
         out[t] = joint[0]
     _forces(joint[2][0], joint[0], ends, slip)
     state[0], state[1], state[-1] = asked, joint[0], firm

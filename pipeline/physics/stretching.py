@@ -26,12 +26,29 @@ def _grown(wire, dwell, eases):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def stretch(stretched, wire):  # type: ignore[no-untyped-def]
-    """How long all wires are by now."""
+def slots(wire):  # type: ignore[no-untyped-def]
+    """How many numbers of the state are those of wires: their stretches and their pull."""
+    if wire is None:
+        return 0
+    return wire.shape[0] + 1
+
+
+@inlined
+def held_through(wire):  # type: ignore[no-untyped-def]
+    """Whether the drive of such wires is held through each dwell."""
+    if wire is None:
+        return False
+    return wire[0, 3] == 0.0
+
+
+@inlined
+def longer_by(stretched, wire):  # type: ignore[no-untyped-def]
+    """How long all wires are by now, whatever the angle: as `lengthening`."""
     longer = 0.0
-    for j in range(wire.shape[0]):
-        longer += stretched[j]
-    return longer
+    if wire is not None:
+        for j in range(wire.shape[0]):
+            longer += stretched[j]
+    return 0.0, longer
 
 
 @inlined
@@ -42,6 +59,8 @@ def lengthening(asked, stretched, dwell, eases, wire):  # type: ignore[no-untype
     stretched: all of them, and the pull at the beginning. wire: as `Load.wire`, and two columns to
     keep what `_grown` says until they are longer.
     """
+    if wire is None:
+        return 0.0, 0.0
     share, kept, before = 0.0, 0.0, stretched[-1]
     for j in range(wire.shape[0]):
         grown, late = _grown(wire[j], dwell, eases)
@@ -55,10 +74,19 @@ def lengthening(asked, stretched, dwell, eases, wire):  # type: ignore[no-untype
 @inlined
 def lengthen(theta, asked, yields, stretched, wire):  # type: ignore[no-untyped-def]
     """Their stretches and pull (in place) at the angle in which that ends."""
-    load, before = asked - theta * (1.0 + yields[0]) - yields[1], stretched[-1]
-    pull = theta + load / wire[0, 2]
-    for j in range(wire.shape[0]):
-        mean = wire[j, 6] * pull + (1.0 - wire[j, 6]) * before
-        longer = stretched[j] + wire[j, 5] * (wire[j, 0] * mean - stretched[j])
-        stretched[j] = min(max(longer, -LONGEST), LONGEST)
-    stretched[-1] = min(max(pull, -LONGEST), LONGEST)
+    if wire is not None:
+        load, before = asked - theta * (1.0 + yields[0]) - yields[1], stretched[-1]
+        pull = theta + load / wire[0, 2]
+        for j in range(wire.shape[0]):
+            mean = wire[j, 6] * pull + (1.0 - wire[j, 6]) * before
+            longer = stretched[j] + wire[j, 5] * (wire[j, 0] * mean - stretched[j])
+            stretched[j] = min(max(longer, -LONGEST), LONGEST)
+        stretched[-1] = min(max(pull, -LONGEST), LONGEST)
+
+
+@inlined
+def begin(stretched, wire):  # type: ignore[no-untyped-def]
+    """Wires (in place) that were longer before the first sample than their pull has them there."""
+    if wire is not None:
+        for j in range(wire.shape[0]):
+            stretched[j] += wire[j, 4]
