@@ -124,7 +124,9 @@ def _missing(at, start, asked, stiff, pull, bends):  # type: ignore[no-untyped-d
         load += other
         steep += steeper
     more, softer, wires = _wires(at, load, steep, give, pretension)
-    rest, slope, taut = at + soft * at + load + more - asked, 1.0 + soft + steep + softer, 1.0
+    rest, slope, taut = at + load + more - asked, 1.0 + steep + softer, 1.0
+    if soft != 0.0:
+        rest, slope = rest + soft * at, slope + soft
     half, sharpness, own, firm, centre, toe, reach = loose
     if sharpness > 0.0:
         pulling, taut = _loose(own * (at - centre) + load - rest, half, sharpness)
@@ -181,7 +183,9 @@ def _settled(at, start, asked, stiff, pull, tangent, bends):  # type: ignore[no-
     """The same: on a line, which needs no angle to begin at, where nothing touches the joint."""
     low, high = bends[10]
     if low < high:
-        slope = 1.0 + stiff + bends[13]
+        slope = 1.0 + stiff
+        if bends[13] != 0.0:
+            slope += bends[13]
         yielding = tangent[1] if slope == tangent[0] else 1.0 / slope
         there = (asked + pull) * yielding
         if low < there < high:
