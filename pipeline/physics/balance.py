@@ -270,7 +270,6 @@ def bending(
         free,
         load.pad,
         pressed,
-        0.0,
     )
 
 

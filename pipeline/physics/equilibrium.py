@@ -6,7 +6,11 @@ where the next slider begins to slide. A bristle is a curved line. What is left 
 for one angle, or, where nothing bends (`bends` is None, compiled apart), a line.
 """
 
+from typing import Any
+
 from numba import njit
+from numba.core.types import NoneType
+from numba.extending import overload
 
 from pipeline.physics.arms import let_go, power, pulled, relax
 from pipeline.physics.decay import decayed
@@ -22,6 +26,7 @@ from pipeline.physics.stretching import (
 from pipeline.physics.tabled import inlined, ramped, waved
 
 SWEEPS, PATIENCE = 40, 8
+PARTS = 13  # of all that bends, but for the softness of wires
 PRECISE = 2e-8  # of a radian
 LONG, BRIEF, SOFTEST = 300.0, 1e-9, 0.05
 LEAST_PULL, LEAST_SLOPE = 1e-12, 1e-3
@@ -98,6 +103,21 @@ def _padded(pressed, start, at, pad):  # type: ignore[no-untyped-def]
     return side * push, slope
 
 
+def softness(bends: tuple[Any, ...]) -> float:
+    """By how much wires stretch for an angle [1], where something bends; compiled away where none.
+
+    See `softened`, which puts it behind all else that bends.
+    """
+    return float(bends[PARTS]) if len(bends) > PARTS else 0.0
+
+
+@overload(softness)
+def _softness(bends):  # type: ignore[no-untyped-def]
+    if len(bends) > PARTS:
+        return lambda bends: bends[PARTS]
+    return lambda bends: 0.0
+
+
 @inlined
 def _missing(at, start, asked, stiff, pull, bends):  # type: ignore[no-untyped-def]
     """What is missing to balance at an angle, its slope, how taut the wires are, their give.
@@ -105,7 +125,7 @@ def _missing(at, start, asked, stiff, pull, bends):  # type: ignore[no-untyped-d
     Where wires hang loose, it is the equation of their pull, which never gets steep.
     """
     cubic, gravity, zero, unit, contact, give, loose, pretension, bristle, bent, _ = bends[:11]
-    pad, pressed, soft = bends[11], bends[12], bends[13]
+    pad, pressed, soft = bends[11], bends[12], softness(bends)
     load, steep = at * stiff - pull, stiff
     if cubic != 0.0:
         load += cubic * at * at * at
@@ -125,8 +145,7 @@ def _missing(at, start, asked, stiff, pull, bends):  # type: ignore[no-untyped-d
         steep += steeper
     more, softer, wires = _wires(at, load, steep, give, pretension)
     rest, slope, taut = at + load + more - asked, 1.0 + steep + softer, 1.0
-    if soft != 0.0:
-        rest, slope = rest + soft * at, slope + soft
+    rest, slope = rest + soft * at, slope + soft
     half, sharpness, own, firm, centre, toe, reach = loose
     if sharpness > 0.0:
         pulling, taut = _loose(own * (at - centre) + load - rest, half, sharpness)
@@ -183,9 +202,7 @@ def _settled(at, start, asked, stiff, pull, tangent, bends):  # type: ignore[no-
     """The same: on a line, which needs no angle to begin at, where nothing touches the joint."""
     low, high = bends[10]
     if low < high:
-        slope = 1.0 + stiff
-        if bends[13] != 0.0:
-            slope += bends[13]
+        slope = 1.0 + stiff + softness(bends)
         yielding = tangent[1] if slope == tangent[0] else 1.0 / slope
         there = (asked + pull) * yielding
         if low < there < high:
@@ -269,14 +286,20 @@ def _without_bristles(bends):  # type: ignore[no-untyped-def]
     return (*bends[:8], bends[8][:0], *bends[9:])
 
 
-@inlined
-def _softened(stiff, soft, bends, wire):  # type: ignore[no-untyped-def]
+def softened(stiff, soft, bends, wire):  # type: ignore[no-untyped-def]
     """Stiffness, and what bends, where wires stretch by `soft` times the angle besides."""
     if wire is None:
         return stiff, bends
-    if bends is None:
-        return stiff + soft, bends
-    return stiff, (*bends[:13], soft)
+    return (stiff + soft, bends) if bends is None else (stiff, (*bends, soft))
+
+
+@overload(softened)
+def _softened(stiff, soft, bends, wire):  # type: ignore[no-untyped-def]
+    if isinstance(wire, NoneType):
+        return lambda stiff, soft, bends, wire: (stiff, bends)
+    if isinstance(bends, NoneType):
+        return lambda stiff, soft, bends, wire: (stiff + soft, bends)
+    return lambda stiff, soft, bends, wire: (stiff, (*bends, soft))
 
 
 @inlined
@@ -376,8 +399,8 @@ def balance(q, pushed, dwell, loads, state, out):  # type: ignore[no-untyped-def
         asked, firm = q[0] + pushed[0], 1.0
         joint, alone = (asked, STRAIGHT, joint[2]), _without_bristles(bends)
         yields = lengthening(q[0], stretched, NEVER, 1.0, wire)
-        stiff, alone = _softened(softest, yields[0], alone, wire)
-        joint = _moved(asked, joint, q[0] - yields[1], stiff, pushed[0], alone, slip[:0], ends)
+        stiff, bent = softened(softest, yields[0], alone, wire)
+        joint = _moved(asked, joint, q[0] - yields[1], stiff, pushed[0], bent, slip[:0], ends)
         lengthen(joint[0], q[0], yields, stretched, wire)
         begin(stretched, wire)
         far[:] = joint[0]
@@ -392,14 +415,14 @@ def balance(q, pushed, dwell, loads, state, out):  # type: ignore[no-untyped-def
         if not waits:
             yields = lengthening(q[t], stretched, dwell[t], 1.0, wire)
         free = q[t] - yields[1]
-        firmer, bends = _softened(stiff, yields[0], bends, wire)
+        firmer, softer = softened(stiff, yields[0], bends, wire)
         if drag > 0.0:
             joint, firm, hold, pull = _dwelt(
-                at, joint, free, firmer, pull, dwell[t], drag, firm, hold, bends, slip, ends
+                at, joint, free, firmer, pull, dwell[t], drag, firm, hold, softer, slip, ends
             )
             stiff += hold[2]
         else:
-            joint = _moved(at, joint, free, firmer, pull, bends, slip, ends)
+            joint = _moved(at, joint, free, firmer, pull, softer, slip, ends)
             _bend(last, joint[0], bends)
         if waits:
             if eased != joint[1][3] or abs(dwell[t] - relaxed) > SAME_DWELL * relaxed:
@@ -408,9 +431,9 @@ def balance(q, pushed, dwell, loads, state, out):  # type: ignore[no-untyped-def
             late, last = relax(joint[0], far, arm), joint[0]
             yields = lengthening(q[t], stretched, dwell[t], joint[1][2], wire)
             free = q[t] - yields[1]
-            firmer, bends = _softened(stiff, yields[0], bends, wire)
+            firmer, softer = softened(stiff, yields[0], bends, wire)
             at = last + late * eased
-            joint = _moved(at, joint, free, firmer, pull + late, bends, slip, ends)
+            joint = _moved(at, joint, free, firmer, pull + late, softer, slip, ends)
             _bend(last, joint[0], bends)
             firm = max(_stiffness(joint[1], bends) - hold[2], SOFTEST)
         lengthen(joint[0], q[t], yields, stretched, wire)

@@ -45,7 +45,8 @@ class Nuisances:
     @cached_property
     def precision(self) -> np.ndarray:
         """Of the priors of gain, offset and weights, (m, m)."""
-        return self.held.T @ self.held
+        seen = self.held * self.deviations[:, None]
+        return np.asarray(seen.T / self.deviations**2 @ seen)
 
     @property
     def straight(self) -> bool:
