@@ -39,6 +39,10 @@ LOOPS = {
     "compliance": {"compliance": [0.3, 10.0, 0.1, 0.2]},
     "slack": {"slack": [8.0, 0.0, 0.2, 0.05]},
     "slack, creep": {"slack": [8.0, 0.0, 0.2, 0.05], "creep": [0.2, 9.0]},
+    "loaded wire": {"creep/loaded wire": [0.1, 30.0, 0.05, 0.5, 0.0]},
+    "friction, loaded wire": {
+        "friction": [5.0, 4.0, 0.7], "creep/loaded wire": [0.1, 30.0, 0.05, 0.5, 0.0],
+    },
 }  # fmt: skip
 
 
@@ -86,7 +90,7 @@ def main() -> None:
     alone = replace(motion, cycle=np.zeros_like(motion.cycle))
     alike, whole = {}, {}
     for name, parts in LOOPS.items():
-        pieces = [Piece(term(n), np.array(values)) for n, values in parts.items()]
+        pieces = [Piece(term(*n.split("/")), np.array(values)) for n, values in parts.items()]
         mechanism = Mechanism(pieces=pieces)
         rivals[name] = loop_of(mechanism, alone)
         alike[name] = loop_of(mechanism, motion)

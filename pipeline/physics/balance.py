@@ -1,6 +1,6 @@
 """The balance at the joint: friction, stretch, gravity, contact and stop meet in one equation.
 
-q = theta + f + give(k theta + f),
+q = theta + f + give(k theta + f) + x,
 f = slips[theta] + arms[theta] + pads[theta] + stretch(theta) + gravity(theta) + contacts(theta)
     - pushed
 
@@ -13,7 +13,8 @@ two hangs slack and the other gives way twice as much. Slips are springs with dr
 (Iwan, J. Appl. Mech. 33 (1966) 893), bristles bend and let go (`pre_sliding.py`), arms are springs
 with dashpots in series (Maxwell). A dashpot beside them, drag theta', holds the joint where it was
 when a dwell began; over a dwell of length t it pulls as a spring of stiffness r / (exp(r t / drag)
-- 1), which is exact where all else is linear with the stiffness r. `equilibrium.py` solves it.
+- 1), which is exact where all else is linear with the stiffness r. A wire that goes on stretching
+under all that it pulls is longer by x, see `stretching.py`. `equilibrium.py` solves it.
 """
 
 from collections.abc import Mapping, Sequence
@@ -31,7 +32,6 @@ from pipeline.physics.tabled import FAR
 
 BALANCE = "balance"
 FEWEST_CYCLES = 3
-FIRMER = 2.0  # how much a joint's own spring outdoes one that drives it away from home
 SHORTEST, LONGEST = 1e-4, 500.0  # dwells over a drag
 Loose = tuple[float, float, float, float, bool]
 Toe = tuple[float, float, float, float]
@@ -40,7 +40,7 @@ Smooth = tuple[float, float, float, float]
 Bends = tuple[Any, ...]
 Loads = tuple[np.ndarray, np.ndarray, float, float, Bends | None, np.ndarray | None]
 """Sliders, arms (a, 5) with three columns to work in, drag, the softest spring, all that bends,
-wires that go on stretching."""
+wires that go on stretching (w, 7) with two columns to work in; None where none does."""
 IDEAL: Wires = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
 
 
@@ -51,10 +51,11 @@ class Load(NamedTuple):
         how much all of that grows with the bend where a step begins [1/angle], alike for all.
     bristle: (b, 4) stiffness [1], force limits as of a slip, and release [1].
     arm: (a, 2) stiffness [1] and time constant [s] of a spring with a dashpot (Maxwell).
-    wire: (w, 5) share of its pull, over the joint's own stiffness, by which a wire goes on
+    wire: (w, 6) share of its pull, over the joint's own stiffness, by which a wire goes on
         stretching, time constant [s], that stiffness over the wire's, alike for all, whether the
-        drive runs from one sample to the next (1), or is held through each dwell (0), and by how
-        much it is longer at the first sample than its pull there would have it [angle].
+        drive runs from one sample to the next (1), or is held through each dwell (0), by how much
+        it is longer at the first sample than its pull there would have it [angle], and the share of
+        what the simulation asks for by which it says too little. One term has all of them.
     contact: (c, 4) side (+1, -1) over the depth at which its stiffness builds up [1/angle], angle,
         side times stiffness times that depth [angle], and side times what it hardens by times
         that depth squared [angle].
@@ -77,14 +78,13 @@ class Load(NamedTuple):
     pushed: (n,) load from outside on the wires that moves a free joint by as much where the
         nominal curve is as steep as its mean [angle]; None where none.
     torque: (n,) the same on the joint, wherever it is [angle]; None where none.
-    foreseen: share by which what is asked for is more than the simulation says.
     carried: what the term must know to go on from the last sample.
     """
 
     slip: np.ndarray = np.zeros((0, 4))
     bristle: np.ndarray = np.zeros((0, 4))
     arm: np.ndarray = np.zeros((0, 2))
-    wire: np.ndarray = np.zeros((0, 5))
+    wire: np.ndarray = np.zeros((0, 6))
     contact: np.ndarray = np.zeros((0, 4))
     pad: np.ndarray = np.zeros((0, 5))
     give: np.ndarray = np.zeros((0, 4))
@@ -96,7 +96,6 @@ class Load(NamedTuple):
     runs: bool = False
     pushed: np.ndarray | None = None
     torque: np.ndarray | None = None
-    foreseen: float = 0.0
     carried: np.ndarray = np.zeros(0)
 
 
@@ -128,9 +127,10 @@ def settle(
     if load.loose is not None and not load.loose[-1]:
         half, _, _, middle, _ = load.loose
         asked = asked + curve.spared(motion.drive, middle, half)
-    if load.foreseen > 0.0:
-        asked = asked * (1.0 + load.foreseen)
-    wire = wires_of(load)
+    wire = None
+    if len(load.wire):
+        asked = asked * (1.0 + load.wire[:, 5].sum())
+        wire = np.hstack([load.wire[:, :5], np.zeros((len(load.wire), 2))])
     pushed = np.zeros(len(asked))
     if gravity != 0.0:
         pushed -= gravity * np.sin(zero)
@@ -168,19 +168,6 @@ def settle(
     return angle, {BALANCE: carried, **states}
 
 
-def wires_of(load: Load) -> np.ndarray | None:
-    """The wires that go on stretching, with two columns to work in, (w, 7); None where none does.
-
-    What drives the joint away from home is held by a joint's own spring that is firmer.
-    """
-    if len(load.wire) == 0:
-        return None
-    wire = np.empty((len(load.wire), 7))
-    wire[:, :5] = load.wire
-    wire[:, 2] = np.maximum(wire[:, 2], -FIRMER * load.smooth[0])
-    return wire
-
-
 def as_held(asked: np.ndarray, dwell: np.ndarray, drag: float, before: float) -> np.ndarray:
     """What asks as much of a free joint that drags, held through each dwell, (n,).
 
@@ -196,14 +183,16 @@ def together(loads: Sequence[Load]) -> Load:
     wires = [load.loose for load in loads if load.loose is not None]
     toes = [load.toe for load in loads if load.toe is not None]
     linear = cubic = gravity = zero = 0.0
+    wire = loads[0].wire
     for load in loads:
+        wire = load.wire if len(load.wire) else wire
         a, b, c, d = load.smooth
         linear, cubic, gravity, zero = linear + a, cubic + b, gravity + c, zero + d
     return Load(
         slip=stacked([load.slip for load in loads]),
         bristle=stacked([load.bristle for load in loads]),
         arm=stacked([load.arm for load in loads]),
-        wire=stacked([load.wire for load in loads]),
+        wire=wire,
         contact=stacked([load.contact for load in loads]),
         pad=stacked([load.pad for load in loads]),
         give=stacked([load.give for load in loads]),
@@ -212,7 +201,6 @@ def together(loads: Sequence[Load]) -> Load:
         smooth=(linear, cubic, gravity, zero),
         pretension=min([load.pretension for load in loads]),
         drag=sum([load.drag for load in loads]),
-        foreseen=sum([load.foreseen for load in loads]),
     )
 
 

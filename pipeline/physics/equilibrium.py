@@ -6,11 +6,7 @@ where the next slider begins to slide. A bristle is a curved line. What is left 
 for one angle, or, where nothing bends (`bends` is None, compiled apart), a line.
 """
 
-from typing import Any
-
 from numba import njit
-from numba.core.types import NoneType
-from numba.extending import overload
 
 from pipeline.physics.arms import let_go, power, pulled, relax
 from pipeline.physics.decay import decayed
@@ -22,11 +18,12 @@ from pipeline.physics.stretching import (
     lengthening,
     longer_by,
     slots,
+    softened,
+    softness,
 )
 from pipeline.physics.tabled import inlined, ramped, waved
 
 SWEEPS, PATIENCE = 40, 8
-PARTS = 13  # of all that bends, but for the softness of wires
 PRECISE = 2e-8  # of a radian
 LONG, BRIEF, SOFTEST = 300.0, 1e-9, 0.05
 LEAST_PULL, LEAST_SLOPE = 1e-12, 1e-3
@@ -101,21 +98,6 @@ def _padded(pressed, start, at, pad):  # type: ignore[no-untyped-def]
     elif push < kept * most:
         push, slope = kept * most, kept * steepest
     return side * push, slope
-
-
-def softness(bends: tuple[Any, ...]) -> float:
-    """By how much wires stretch for an angle [1], where something bends; compiled away where none.
-
-    See `softened`, which puts it behind all else that bends.
-    """
-    return float(bends[PARTS]) if len(bends) > PARTS else 0.0
-
-
-@overload(softness)
-def _softness(bends):  # type: ignore[no-untyped-def]
-    if len(bends) > PARTS:
-        return lambda bends: bends[PARTS]
-    return lambda bends: 0.0
 
 
 @inlined
@@ -286,22 +268,6 @@ def _without_bristles(bends):  # type: ignore[no-untyped-def]
     return (*bends[:8], bends[8][:0], *bends[9:])
 
 
-def softened(stiff, soft, bends, wire):  # type: ignore[no-untyped-def]
-    """Stiffness, and what bends, where wires stretch by `soft` times the angle besides."""
-    if wire is None:
-        return stiff, bends
-    return (stiff + soft, bends) if bends is None else (stiff, (*bends, soft))
-
-
-@overload(softened)
-def _softened(stiff, soft, bends, wire):  # type: ignore[no-untyped-def]
-    if isinstance(wire, NoneType):
-        return lambda stiff, soft, bends, wire: (stiff, bends)
-    if isinstance(bends, NoneType):
-        return lambda stiff, soft, bends, wire: (stiff + soft, bends)
-    return lambda stiff, soft, bends, wire: (stiff, (*bends, soft))
-
-
 @inlined
 def _bend(start, at, bends):  # type: ignore[no-untyped-def]
     """Forces of the bristles and of the pads (in place) after a step of the joint."""
@@ -383,11 +349,13 @@ def balance(q, pushed, dwell, loads, state, out):  # type: ignore[no-untyped-def
     """Joint angles `out` for the asked angles `q`, (n,) each, and the state to carry (in place).
 
     state: q + pushed, angle, forces of the sliders, of the bristles and of the pads, far ends of
-    the arms, stiffness r; all 0 before the first sample, but those of pads NEVER. A sample is taken
-    after its dwell: first the joint moves at once, then the arms relax and it settles again. Where
-    the stiffness r changes on the way, by more than EVEN, a joint with drag goes it again in parts
-    of the dwell, each with its own r. loads: see `balance.Loads`. A tangent is the equation's
-    slope, one over it, and how far the joint moves for what is asked and for a load.
+    the arms, stretches of the wires and their pull (where there are such), stiffness r; all 0
+    before the first sample, but those of pads NEVER. A sample is taken after its dwell: first the
+    joint moves at once, then the arms relax, the wires get longer, and it settles again; wires of
+    a drive that runs from sample to sample get longer on the way. Where the stiffness r changes on
+    the way, by more than EVEN, a joint with drag goes it again in parts of the dwell, each with its
+    own r. loads: see `balance.Loads`. A tangent is the equation's slope, one over it, and how far
+    the joint moves for what is asked and for a load.
     """
     slip, arm, drag, softest, bends, wire = loads
     arms, hold = arm.shape[0], (-1.0, -1.0, 0.0, (NEVER, 0.0), 0.0)

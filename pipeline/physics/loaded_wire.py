@@ -63,9 +63,10 @@ class LoadedWire(ArrivingLate):
         stiffness, foreseen, begun = values[2:5]
         runs = motion.usual_dwell_s < STEP_AND_WAIT_S if state is None else state[0]
         stretches = [values[:2], values[-2:]][: 1 if self.form == ALONE else 2]
-        wire = np.array([[s, late_s, stiffness, runs, s * begun] for s, late_s in stretches])
+        rows = [[s, late_s, stiffness, runs, s * begun, s * foreseen] for s, late_s in stretches]
+        wire = np.array(rows)
         known = np.zeros(0) if np.isnan(motion.usual_dwell_s) and state is None else wire[0, 3:4]
-        return Load(wire=wire, foreseen=float(foreseen * np.sum(wire[:, 0])), carried=known)
+        return Load(wire=wire, carried=known)
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
         dwell_s = max(around.dwell_s, 1e-9)

@@ -1,11 +1,15 @@
 """Wires that go on stretching under their pull (Kelvin and Voigt): `Load.wire` in `balance.py`."""
 
+from typing import Any
+
 import numpy as np
+from numba.core.types import NoneType
+from numba.extending import overload
 
 from pipeline.physics.tabled import inlined
 
 BRIEF = 1e-9  # dwells over a time constant
-LONGEST = 1e6  # a joint that nothing holds goes on until then
+PARTS = 13  # of all that bends a balance, but for the softness of wires
 
 
 @inlined
@@ -56,8 +60,8 @@ def lengthening(asked, stretched, dwell, eases, wire):  # type: ignore[no-untype
     """Stiffness and stretch at 0 of wires that go on stretching over a dwell, for one angle then.
 
     Their stretches go to share * pull, the pull being own * theta + f in `balance.py`, over own.
-    stretched: all of them, and the pull at the beginning. wire: as `Load.wire`, and two columns to
-    keep what `_grown` says until they are longer.
+    stretched: all of them, and the pull at the beginning. wire: (w, 7) the first five columns of
+    `Load.wire`, and two to keep what `_grown` says until they are longer.
     """
     if wire is None:
         return 0.0, 0.0
@@ -79,9 +83,8 @@ def lengthen(theta, asked, yields, stretched, wire):  # type: ignore[no-untyped-
         pull = theta + load / wire[0, 2]
         for j in range(wire.shape[0]):
             mean = wire[j, 6] * pull + (1.0 - wire[j, 6]) * before
-            longer = stretched[j] + wire[j, 5] * (wire[j, 0] * mean - stretched[j])
-            stretched[j] = min(max(longer, -LONGEST), LONGEST)
-        stretched[-1] = min(max(pull, -LONGEST), LONGEST)
+            stretched[j] += wire[j, 5] * (wire[j, 0] * mean - stretched[j])
+        stretched[-1] = pull
 
 
 @inlined
@@ -90,3 +93,34 @@ def begin(stretched, wire):  # type: ignore[no-untyped-def]
     if wire is not None:
         for j in range(wire.shape[0]):
             stretched[j] += wire[j, 4]
+
+
+def softened(stiff, soft, bends, wire):  # type: ignore[no-untyped-def]
+    """Stiffness, and what bends, where wires stretch by `soft` times the angle besides."""
+    if wire is None:
+        return stiff, bends
+    return (stiff + soft, bends) if bends is None else (stiff, (*bends, soft))
+
+
+@overload(softened)
+def _softened(stiff, soft, bends, wire):  # type: ignore[no-untyped-def]
+    if isinstance(wire, NoneType):
+        return lambda stiff, soft, bends, wire: (stiff, bends)
+    if isinstance(bends, NoneType):
+        return lambda stiff, soft, bends, wire: (stiff + soft, bends)
+    return lambda stiff, soft, bends, wire: (stiff, (*bends, soft))
+
+
+def softness(bends: tuple[Any, ...]) -> float:
+    """By how much wires stretch for an angle [1], where something bends; compiled away where none.
+
+    See `softened`, which puts it behind all else that bends.
+    """
+    return float(bends[PARTS]) if len(bends) > PARTS else 0.0
+
+
+@overload(softness)
+def _softness(bends):  # type: ignore[no-untyped-def]
+    if len(bends) > PARTS:
+        return lambda bends: bends[PARTS]
+    return lambda bends: 0.0

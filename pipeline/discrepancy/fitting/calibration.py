@@ -36,17 +36,21 @@ class Nuisances:
     zero: float = 0.0
 
     @cached_property
-    def held(self) -> np.ndarray:
-        """What makes nuisances' distance from their prior means one of unit deviations, (m, m)."""
+    def judged(self) -> np.ndarray:
+        """Of nuisances those that priors are of, (m, m): of the offset that at `zero`."""
         seen = np.eye(len(self.deviations))
         seen[1, 0] = self.zero
-        return seen / self.deviations[:, None]
+        return seen
+
+    @property
+    def held(self) -> np.ndarray:
+        """What makes nuisances' distance from their prior means one of unit deviations, (m, m)."""
+        return self.judged / self.deviations[:, None]
 
     @cached_property
     def precision(self) -> np.ndarray:
         """Of the priors of gain, offset and weights, (m, m)."""
-        seen = self.held * self.deviations[:, None]
-        return np.asarray(seen.T / self.deviations**2 @ seen)
+        return np.asarray(self.judged.T / self.deviations**2 @ self.judged)
 
     @property
     def straight(self) -> bool:

@@ -215,7 +215,7 @@ def humming(explanation: Explanation, choice: Choice) -> Sign | None:
         time_s = problem.motion.time_s[used]
         _, share, period_s = hum(rest, time_s)
         if share > MOST_OF_REST and period_s * FEWEST_PERIODS < np.ptp(time_s):
-            return hums("in time", "s", period_s, share, ground.noise.deviation)
+            return of_hum("in time", "s", period_s, share, ground.noise.deviation)
         rest = forgetting(rest)
     travel = np.cumsum(np.abs(np.diff(drive, prepend=drive[:1])))[used]
     places = (
@@ -226,11 +226,11 @@ def humming(explanation: Explanation, choice: Choice) -> Sign | None:
     for where, unit, along in places if problem.derivatives is None else places[:1]:
         loud, share, period = hum(rest, along)
         if loud:
-            return hums(where, unit, period, share, ground.noise.deviation)
+            return of_hum(where, unit, period, share, ground.noise.deviation)
     return None
 
 
-def hums(where: str, unit: str, period: float, share: float, deviation: float) -> Sign:
+def of_hum(where: str, unit: str, period: float, share: float, deviation: float) -> Sign:
     """The sign of a hum with a period [unit] that holds a share of a rest of a deviation."""
     told = f"a hum {where}, again and again every {worded(period)} {unit}"
     return Sign(told, float(np.sqrt(share)) * deviation, CHANCE)

@@ -29,7 +29,8 @@ def oddly(search: Search, choices: list[Choice]) -> list[Choice]:
     A search takes other names for what these explain, two or three for each, and no step leads from
     there. It does not begin with them: each comes near what a usual term does, and would hide that.
     Nor does it remember those that may only mop up. Where cycles that repeat say that no more than
-    noise is left, one of them is better only in place of AT_ONCE pieces, or of the only one.
+    noise is left, one of them is better only in place of AT_ONCE pieces, or of the only one; else
+    friction and a wire that stretches under it are begun at once, too (`strung.py`).
     """
     search = replace(search, seen={})
     best, ground = choices[0], choices[0].fit.ground
