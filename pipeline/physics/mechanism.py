@@ -13,14 +13,26 @@ from pipeline.physics.piece import Piece
 
 @dataclass(frozen=True)
 class OwnCourse:
-    """What a simulation itself has beside its curve: play before that, a lag, friction anywhere.
+    """What a simulation itself has beside its curve, in the order in which a drive meets it.
 
-    last: whether a lag comes behind the joint's balance, as a sensor's or a filter's does, not
-    before it, as a motor's.
+    drive: before the curve, as a motor's lag or play. curve: behind it. joint: in the balance.
+    sensor: behind that, as a filter's lag.
     """
 
-    piece: Piece
-    last: bool = False
+    drive: tuple[Piece, ...] = ()
+    curve: tuple[Piece, ...] = ()
+    joint: tuple[Piece, ...] = ()
+    sensor: tuple[Piece, ...] = ()
+
+    @property
+    def pieces(self) -> tuple[Piece, ...]:
+        """All of them."""
+        return (*self.drive, *self.curve, *self.joint, *self.sensor)
+
+    @property
+    def seen_late(self) -> "OwnCourse":
+        """The same with what is behind the curve behind the joint instead."""
+        return OwnCourse(self.drive, (), self.joint, (*self.sensor, *self.curve))
 
 
 State = Mapping[str, np.ndarray]
@@ -93,21 +105,10 @@ class Mechanism:
         self, signal: np.ndarray, motion: Motion, before: State, after: dict[str, np.ndarray]
     ) -> np.ndarray:
         """What the simulation makes of a drive that terms have altered, (n,)."""
-        if self.course is None or self.course.last or self.course.piece.term.in_balance:
-            return self.curve(signal)
-        if self.course.piece.term.before_curve:
-            return self.curve(self._late(signal, motion, before, after))
-        return self._late(self.curve(signal), motion, before, after)
-
-    def _late(
-        self, signal: np.ndarray, motion: Motion, before: State, after: dict[str, np.ndarray]
-    ) -> np.ndarray:
-        """A signal behind what the simulation itself has, (n,)."""
         if self.course is None:
-            return signal
-        term, values = self.course.piece.term, self.course.piece.values
-        late, after[COURSE] = term.respond(signal, motion, values, before.get(COURSE))
-        return late
+            return self.curve(signal)
+        signal = _through("drive", self.course.drive, signal, motion, before, after)
+        return _through("curve", self.course.curve, self.curve(signal), motion, before, after)
 
     def balanced(self, asked: np.ndarray, motion: Motion) -> Trace:
         """The same where all that the wire asks for (n,) is known."""
@@ -126,13 +127,13 @@ class Mechanism:
         after: dict[str, np.ndarray],
     ) -> Trace:
         body, balanced = asked, [p for p in pieces if p.term.in_balance]
-        if self.course is not None and self.course.piece.term.in_balance:
-            balanced.append(self.course.piece)
+        if self.course is not None:
+            balanced += self.course.joint
         if balanced:
             body, states = settle(asked, balanced, motion, self.curve, before.get(BALANCE), before)
             after |= states
-        if self.course is not None and self.course.last:
-            body = self._late(body, motion, before, after)
+        if self.course is not None:
+            body = _through("sensor", self.course.sensor, body, motion, before, after)
         return self._sensed(asked, body, pieces, motion, before, after)
 
     def _sensed(
@@ -155,6 +156,21 @@ class Mechanism:
 
 def _in_order(pieces: Sequence[Piece]) -> Sequence[Piece]:
     return pieces if len(pieces) < 2 else sorted(pieces, key=lambda piece: piece.term.place)
+
+
+def _through(
+    place: str,
+    own: Sequence[Piece],
+    signal: np.ndarray,
+    motion: Motion,
+    before: State,
+    after: dict[str, np.ndarray],
+) -> np.ndarray:
+    """A signal behind what a simulation itself has at a place, (n,)."""
+    for k, piece in enumerate(own):
+        key = f"{COURSE} {place} {k}"
+        signal, after[key] = piece.term.respond(signal, motion, piece.values, before.get(key))
+    return signal
 
 
 def _apply(

@@ -7,10 +7,15 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from pipeline.discrepancy.model.model import as_json, from_json
-from pipeline.discrepancy.problem.course import Course, course_of
-from pipeline.discrepancy.problem.driven import driven_by, static_misfit
+from pipeline.discrepancy.model.model import PLACES, as_json, from_json
+from pipeline.discrepancy.problem.course import course_of
+from pipeline.discrepancy.problem.course_trial import Course
+from pipeline.discrepancy.problem.driven import driven_by
+from pipeline.discrepancy.problem.static_misfit import loop_misfit, static_misfit
+from pipeline.physics.mechanism import OwnCourse
+from pipeline.physics.motion import Motion
 from pipeline.physics.play_operator import play
+from pipeline.physics.second_order_lag import SecondOrderLag
 from pipeline.physics.slip_spectrum import elements_of
 from pipeline.recording import Recording
 from tests.discrepancy.made import ANGLE, SIMULATED, changed, diagnosed, followed, names, value_of
@@ -48,10 +53,16 @@ def test_a_curve_that_comes_late_is_found_with_how_late():
     found = course(late(curved(DRIVE)))
     assert found is not None
     assert found.command == "motor"
-    assert (found.piece.term.name, found.piece.term.form) == ("response_lag", "running")
-    assert found.piece.values[0] == pytest.approx(LATE_S, rel=0.02)
+    assert kinds(found) == {"curve": ["response_lag/running"]}
+    assert found.own.curve[0].values[0] == pytest.approx(LATE_S, rel=0.02)
     np.testing.assert_allclose(found.reproduced[100:], late(curved(DRIVE))[100:], atol=0.05)
     np.testing.assert_allclose(found.curve(DRIVE), curved(DRIVE), atol=0.05)
+
+
+def kinds(found: Course) -> dict[str, list[str]]:
+    """What a course has, by its places."""
+    own = {place: getattr(found.own, place) for place in PLACES}
+    return {at: [f"{p.term.name}/{p.term.form}" for p in some] for at, some in own.items() if some}
 
 
 def crept(values: np.ndarray) -> np.ndarray:
@@ -62,8 +73,8 @@ def crept(values: np.ndarray) -> np.ndarray:
 def test_a_curve_that_creeps_is_found_with_how_much_and_how_slowly():
     found = course(crept(curved(DRIVE)))
     assert found is not None
-    assert (found.piece.term.name, found.piece.term.form) == ("creep", "running")
-    np.testing.assert_allclose(found.piece.values, [0.2, 0.8], rtol=0.02)
+    assert kinds(found) == {"curve": ["creep/running"]}
+    np.testing.assert_allclose(found.own.curve[0].values, [0.2, 0.8], rtol=0.02)
 
 
 def test_what_is_missing_before_the_simulations_creep_is_put_there():
@@ -86,7 +97,7 @@ def rubbed(drive: np.ndarray) -> np.ndarray:
 def test_a_curve_of_a_drive_that_rubs_by_a_law_of_its_own_is_found_with_its_sliders():
     found = course(curved(rubbed(DRIVE)))
     assert found is not None
-    assert (found.piece.term.name, found.piece.term.form) == ("friction", "driven spectrum")
+    assert kinds(found) == {"drive": ["friction/driven spectrum"]}
     assert np.std(found.reproduced - curved(rubbed(DRIVE))) < 2e-4 * np.ptp(DRIVE)
 
 
@@ -117,14 +128,20 @@ def test_a_loop_is_no_static_curve_though_all_neighbours_are_of_its_other_cycles
     assert static_misfit(nearly, curved(DRIVE)) < 1e-4
 
 
+def test_one_loop_gone_through_again_and_again_is_told_from_several():
+    sine = 20.0 * np.sin(2.0 * np.pi * PACE_HZ * TIME_S)
+    assert loop_misfit(sine[200:], late(sine)[200:]) < 1e-3
+    assert loop_misfit(DRIVE[200:], late(DRIVE)[200:]) > 1e-2
+
+
 def test_a_joint_that_rubs_in_the_simulation_is_found_with_its_sliders():
     found = course(HELD)
     assert found is not None
-    places = {c.piece.term.form: c for c in (found, found.otherwise) if c is not None}
-    assert set(places) == {"driven spectrum", "spectrum"}
-    at_joint = places["spectrum"]
+    places = {place: c for c in (found, found.otherwise) if c is not None for place in kinds(c)}
+    assert set(places) == {"drive", "joint"}
+    at_joint = places["joint"]
     assert np.std(at_joint.reproduced - HELD) < 4e-4 * np.ptp(HELD)
-    assert elements_of(at_joint.piece.values)[1].sum() == pytest.approx(1.0, rel=0.05)
+    assert elements_of(at_joint.own.joint[0].values)[1].sum() == pytest.approx(1.0, rel=0.05)
 
 
 def test_what_is_missing_beside_the_simulations_friction_at_the_joint_meets_it_there():
@@ -136,7 +153,7 @@ def test_what_is_missing_beside_the_simulations_friction_at_the_joint_meets_it_t
     (model,), (evidence,) = found.models, found.evidence
     stored = from_json(as_json(model), ["yaw_command_deg"])
     assert stored.mechanism.course is not None
-    assert stored.mechanism.course.piece.term.form == "spectrum"
+    assert [piece.term.form for piece in stored.mechanism.course.joint] == ["spectrum"]
     np.testing.assert_array_equal(stored.predict(evidence.motion)[0], evidence.after)
     begun, state = stored.mechanism.respond(evidence.motion.rows(np.arange(900)))
     on, _ = stored.mechanism.respond(evidence.motion.rows(np.arange(900, ROWS)), state)
@@ -154,8 +171,49 @@ def test_what_is_missing_before_the_simulations_friction_is_put_there():
 def test_a_curve_behind_play_is_found_with_how_wide():
     found = course(curved(play(DRIVE, 0.5 * WIDTH, DRIVE[0])))
     assert found is not None
-    assert (found.piece.term.name, found.piece.term.form) == ("backlash", "")
-    assert found.piece.values[0] == pytest.approx(WIDTH, rel=0.01)
+    assert kinds(found) == {"drive": ["backlash/"]}
+    assert found.own.drive[0].values[0] == pytest.approx(WIDTH, rel=0.01)
+
+
+def played(drive: np.ndarray) -> np.ndarray:
+    return play(drive, 0.5 * WIDTH, drive[0])
+
+
+LAG, RUBS = "response_lag/running", "friction/spectrum"
+
+
+@pytest.mark.parametrize(
+    ("simulated", "own"),
+    [
+        (late(curved(played(DRIVE))), {"drive": ["backlash/"], "curve": [LAG]}),
+        (curved(played(late(DRIVE))), {"drive": [LAG, "backlash/"]}),
+        (held_at_joint(late(curved(DRIVE))), {"curve": [LAG], "joint": [RUBS]}),
+        (late(HELD), {"joint": [RUBS], "sensor": [LAG]}),
+        (late(curved(rubbed(DRIVE))), {"drive": ["friction/driven spectrum"], "curve": [LAG]}),
+        (curved(rubbed(late(DRIVE))), {"drive": [LAG, "friction/driven spectrum"]}),
+    ],
+    ids=["play, late", "late, play", "late, joint rubs", "joint rubs, late", "rubs, late",
+         "late, rubs"],
+)  # fmt: skip
+@pytest.mark.long
+def test_a_curve_that_comes_late_and_is_held_back_is_found_with_both_in_their_order(simulated, own):
+    best = course(simulated)
+    assert best is not None
+    (found,) = [c for c in (best, best.otherwise) if c is not None and kinds(c) == own]
+    lag = next(piece for piece in found.own.pieces if piece.term.name == "response_lag")
+    assert lag.values[0] == pytest.approx(LATE_S, rel=0.02)
+    assert np.std(found.reproduced - simulated) < 2e-4 * np.ptp(simulated)
+
+
+def test_a_lag_of_second_order_beside_play_is_found_with_its_damping():
+    swing = SecondOrderLag()
+    motion = Motion(DRIVE, TIME_S, np.zeros(ROWS, dtype=np.int64), {})
+    asked = curved(played(DRIVE))
+    found = course(swing.respond(asked, motion, np.array([12.0, 0.5, 1.0]), None)[0])
+    assert found is not None
+    assert kinds(found) == {"drive": ["backlash/"], "curve": ["response_lag/second"]}
+    np.testing.assert_allclose(found.own.curve[0].values[:2], [12.0, 0.5], rtol=0.02)
+    assert found.own.drive[0].values[0] == pytest.approx(WIDTH, rel=0.02)
 
 
 @pytest.mark.parametrize(
@@ -236,9 +294,10 @@ def test_its_stored_model_has_the_lag_last(stopped):
     (model,), (evidence,) = found.models, found.evidence
     stored = from_json(as_json(model), ["yaw_command_deg"])
     assert stored.mechanism.course is not None
-    assert stored.mechanism.course.last
+    assert [piece.term.name for piece in stored.mechanism.course.sensor] == ["response_lag"]
     np.testing.assert_array_equal(stored.predict(evidence.motion)[0], evidence.after)
-    first = replace(stored.mechanism, course=replace(stored.mechanism.course, last=False))
+    lag = stored.mechanism.course.sensor
+    first = replace(stored.mechanism, course=OwnCourse(curve=lag))
     other = first.respond(evidence.motion)[0] - stored.mechanism.respond(evidence.motion)[0]
     assert np.max(np.abs(other)) > 5.0 * NOISE
 
@@ -255,3 +314,35 @@ def test_of_commands_that_are_alike_the_axis_has_its_own():
     driven = driven_by(other_first, ANGLE, other_first.values(SIMULATED))
     assert driven.course is not None
     assert driven.drive == "pitch_command_deg"
+
+
+RIPPLING = DRIVE + 1.2 * np.sin(2.0 * np.pi * DRIVE / 9.0)
+
+
+@pytest.mark.parametrize(
+    "own",
+    [
+        lambda u: curved(played(late(u))),
+        pytest.param(lambda u: late(held_at_joint(curved(u))), marks=pytest.mark.long),
+        pytest.param(lambda u: late(curved(rubbed(u))), marks=pytest.mark.long),
+    ],
+    ids=["late, play", "joint rubs, late", "rubs, late"],
+)  # fmt: skip
+def test_what_is_missing_before_both_is_put_there(own):
+    found = diagnosed(real(own(DRIVE), own(RIPPLING)))
+    assert names(found) == {"transmission_ripple"}
+    assert found.diagnoses[0].verdict == "explained"
+    assert found.diagnoses[0].after.heldout_rmse < 1.1 * NOISE
+
+
+@pytest.mark.long
+def test_a_stop_before_a_filter_and_behind_play_that_the_simulation_has_is_put_there():
+    played_late = curved(played(DRIVE))
+    found = diagnosed(real(late(played_late), late(np.minimum(played_late, 12.0))))
+    assert names(found) <= {"end_stop", "contact"}
+    (model,) = found.models
+    stored = from_json(as_json(model), ["yaw_command_deg"])
+    assert stored.mechanism.course is not None
+    assert [p.term.name for p in stored.mechanism.course.sensor] == ["response_lag"]
+    assert [p.term.name for p in stored.mechanism.course.drive] == ["backlash"]
+    assert found.diagnoses[0].after.heldout_rmse < 1.1 * NOISE

@@ -146,7 +146,7 @@ def test_a_missing_command_is_refused(model):
 
 
 def test_a_foreign_file_is_refused():
-    with pytest.raises(ModelError, match=r"schema 'loopgap.model/3'; found 'other'"):
+    with pytest.raises(ModelError, match=r"schema 'loopgap.model/4'; found 'other'"):
         from_json({"schema": "other"}, [])
 
 
@@ -160,5 +160,5 @@ def test_a_model_whose_parameters_had_other_names_is_refused(model):
 
 
 def test_a_model_of_an_earlier_version_is_refused(model):
-    with pytest.raises(ModelError, match="found 'loopgap.model/2'. Diagnose anew"):
-        from_json(as_json(model) | {"schema": "loopgap.model/2"}, [])
+    with pytest.raises(ModelError, match="found 'loopgap.model/3'. Diagnose anew"):
+        from_json(as_json(model) | {"schema": "loopgap.model/3"}, [])

@@ -143,13 +143,13 @@ def course_note(problem: Problem) -> list[str]:
     """What the simulation has beside its curve, and where named terms act."""
     if problem.course is None:
         return []
-    piece = problem.course.piece
-    where = "before it, at the joint too" if problem.course.last else "inside of it"
-    if piece.term.in_balance:
+    course = problem.course
+    where = "before it, at the joint too" if course.sensor else "inside of it"
+    if course.joint:
         where = "before the joint or beside it there"
+    has = " ".join(p.term.sentence(p.values, problem.around) for p in course.pieces)
     return [
-        f"The simulation itself has, of {problem.drive}: "
-        f"{piece.term.sentence(piece.values, problem.around)} "
+        f"The simulation itself has, of {problem.drive}: {has} "
         f"That is kept as it is: what is named acts {where}."
     ]
 

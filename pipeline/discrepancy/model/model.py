@@ -17,7 +17,8 @@ from pipeline.physics.motion import Motion
 from pipeline.physics.piece import Piece
 from pipeline.physics.term import Surroundings, Term
 
-SCHEMA = "loopgap.model/3"
+SCHEMA = "loopgap.model/4"
+PLACES = ("drive", "curve", "joint", "sensor")
 DIFFERENCE = 0.2
 
 
@@ -179,7 +180,7 @@ def as_json(model: CorrectedModel) -> dict[str, Any]:
         "simulated": model.simulated,
         "delay_s": model.delay_s,
         "curve": curve,
-        "course": None if m.course is None else _told(m.course.piece) | {"last": m.course.last},
+        "course": None if m.course is None else _course_told(m.course),
         **_fitted(m, model.zero),
         "later": None if model.later is None else _fitted(model.later, None),
         "lasted_s": model.lasted_s if np.isfinite(model.lasted_s) else None,
@@ -203,6 +204,11 @@ def _fitted(m: Mechanism, zero: WalkedZero | None) -> dict[str, Any]:
         "error": None if m.error is None else asdict(m.error),
         "terms": [_told(p) for p in m.pieces],
     }
+
+
+def _course_told(course: OwnCourse) -> dict[str, Any]:
+    """What a simulation has itself, by its place."""
+    return {place: [_told(piece) for piece in getattr(course, place)] for place in PLACES}
 
 
 def _told(piece: Piece) -> dict[str, Any]:
@@ -229,7 +235,9 @@ def from_json(entry: Mapping[str, Any], others: list[str]) -> CorrectedModel:
         course = None
         if entry.get("course") is not None:
             own = entry["course"]
-            course = OwnCourse(_piece(own, others), own.get("last", False))
+            course = OwnCourse(
+                *(tuple(_piece(told, others) for told in own[place]) for place in PLACES)
+            )
         like = Mechanism(curve, course=course)
         mechanism = _refitted(entry, like, others)
         rivals = tuple(

@@ -5,8 +5,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pipeline.discrepancy.problem.course import Course, course_of
-from pipeline.discrepancy.problem.jumping import rising_rows
+from pipeline.discrepancy.problem.course import course_of
+from pipeline.discrepancy.problem.course_trial import Course
+from pipeline.discrepancy.problem.static_misfit import static_misfit
 from pipeline.errors import LoopgapError, refusal
 from pipeline.physics.force_units import radian_in
 from pipeline.physics.kinematics import Curve, IdentityCurve, sampled_curve
@@ -106,41 +107,3 @@ def mixes(commands: Mapping[str, np.ndarray], drive: str, simulated: np.ndarray)
 
 def _kin(command: str, measurement: str) -> bool:
     return command.split("_")[0] == measurement.split("_")[0]
-
-
-def static_misfit(command: np.ndarray, simulated: np.ndarray) -> float:
-    """How far a simulation (n,) is from a static curve of a command (n,), over its range [1].
-
-    The largest of three root mean squares: at equal commands, of each position from the line
-    between its neighbours, and of positions on the way up from the middle between them and the way
-    down: neighbours may all be of one way, where cycles repeat nearly. Infinite where either stands
-    still.
-    """
-    span = float(np.ptp(simulated)) if len(simulated) else 0.0
-    if len(simulated) < 3 or float(np.ptp(command)) == 0.0:
-        return np.inf
-    if span == 0.0:
-        return np.inf
-    order = np.argsort(command, kind="stable")
-    u, s = command[order], simulated[order]
-    at, place = np.unique(u, return_inverse=True)
-    mean = np.bincount(place, weights=s) / np.bincount(place)
-    repeat = float(np.sqrt(np.mean((s - mean[place]) ** 2)))
-    if len(at) < 5:
-        return repeat / span
-    middle = np.interp(at[1:-1], at[[0, -1]], mean[[0, -1]])
-    left, right = at[1:-1] - at[:-2], at[2:] - at[1:-1]
-    middle = (mean[:-2] * right + mean[2:] * left) / (left + right)
-    beside = float(np.sqrt(np.mean((mean[1:-1] - middle) ** 2)))
-    return max(repeat, beside, 0.5 * apart(command, simulated)) / span
-
-
-def apart(command: np.ndarray, simulated: np.ndarray) -> float:
-    """How far positions on the way up are from the line between those on the way down (RMS)."""
-    rising, order = rising_rows(command), np.argsort(command, kind="stable")
-    up, down = order[rising[order]], order[~rising[order]]
-    if not len(down):
-        return 0.0
-    up = up[(command[up] >= command[down[0]]) & (command[up] <= command[down[-1]])]
-    between = np.interp(command[up], command[down], simulated[down])
-    return float(np.sqrt(np.mean((simulated[up] - between) ** 2))) if len(up) else 0.0

@@ -8,7 +8,7 @@ import numpy as np
 
 from pipeline.config import DiagnosisConfig, HeldoutConfig, ToleranceConfig
 from pipeline.discrepancy.problem.counts import uncounted
-from pipeline.discrepancy.problem.course import Course
+from pipeline.discrepancy.problem.course_trial import Course
 from pipeline.discrepancy.problem.driven import DiagnosisError, driven_by
 from pipeline.discrepancy.problem.fitted import LOOSE_GAIN, tolerance_of_fit
 from pipeline.discrepancy.problem.holes import unsettled_rows
@@ -102,12 +102,9 @@ class Problem:
     @property
     def late_last(self) -> "Problem | None":
         """The problem with the simulation's own lag behind the joint; None where it has none."""
-        if self.course is None:
+        if self.course is None or not self.course.curve:
             return None
-        term = self.course.piece.term
-        if term.before_curve or term.in_balance:
-            return None
-        return replace(self, course=replace(self.course, last=True))
+        return replace(self, course=self.course.seen_late)
 
     def trace(self, pieces: Sequence[Piece]) -> Trace:
         """What a mechanism of some pieces does over all rows, without calibration."""
@@ -134,7 +131,7 @@ class Problem:
         """The samples behind the rows that pieces have to answer on, if the rows are too few."""
         if self.picked is None:
             return None
-        return self.picked.behind(pieces if self.course is None else [*pieces, self.course.piece])
+        return self.picked.behind([*pieces, *(self.course.pieces if self.course else ())])
 
     def rows(self, wanted: np.ndarray) -> "Problem":
         """The same problem on some of its rows (indices)."""
@@ -219,7 +216,7 @@ def pose_problem(
         motion, curve, measured, simulated, train, known & heldout, around, tolerance,
         drive, static, counted=counted, rough=rough, stale=stale, replaced=replaced,
         unsettled=int(unsettled.sum()), own=own,
-        course=None if course is None else OwnCourse(course.piece),
+        course=None if course is None else course.own,
         levels=levels_read(came, measured), traced=trace,
     )  # fmt: skip
     if course is None or course.otherwise is None:
@@ -234,7 +231,7 @@ def rubbing_elsewhere(posed: Problem, course: Course, other: Course, bent: bool)
         curve=straightened(other.curve, posed.motion.drive) if bent else other.curve,
         measured=posed.measured - course.reproduced + other.reproduced,
         simulated=np.where(np.isfinite(posed.simulated), other.reproduced, np.nan),
-        course=OwnCourse(other.piece),
+        course=other.own,
     )
 
 

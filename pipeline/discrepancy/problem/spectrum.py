@@ -17,7 +17,7 @@ from pipeline.physics.slip_spectrum import (
     shares_of,
 )
 
-LONGEST = 0.3
+LONGEST, ROUNDING = 0.3, 1e-13
 
 
 def spectrum_at_joint(curve: np.ndarray, angle: np.ndarray, rows: np.ndarray) -> Piece | None:
@@ -40,10 +40,17 @@ def spectrum(
     span = float(np.ptp(position))
     shortest, longest = SHORTEST * span, LONGEST * span
     held = shares_of(position, reaches_from(shortest, longest))[rows]
-    basis = np.linalg.qr(columns)[0]
-    both = np.column_stack([held, moved])
-    square = np.linalg.qr(both - basis @ (basis.T @ both))[1]
+    free = columns.shape[1]
+    square = factor(np.column_stack([columns, held, moved]))[free:, free:]
     holds = nnls(square[:, :-1], -square[:, -1])[0]
     if not holds.any():
         return None
     return Piece(SlipSpectrum(form), np.concatenate([[shortest, longest], holds]))
+
+
+def factor(columns: np.ndarray) -> np.ndarray:
+    """R (m, m) of columns (k, m) = Q R, by Cholesky: to about 1e-7 of their size, but soon."""
+    square = columns.T @ columns
+    diagonal = square.diagonal()
+    square.flat[:: len(square) + 1] = (1.0 + ROUNDING) * diagonal + np.finfo(float).tiny
+    return np.linalg.cholesky(square).T
