@@ -39,6 +39,7 @@ from pipeline.physics.motion import Motion
 from pipeline.physics.moved_frames import BLURRED, MOVED, MovedFrames
 from pipeline.physics.moved_lag import moved_as
 from pipeline.physics.off_centre_ripple import OffCentreRipple
+from pipeline.physics.own_amount import OWN_AMOUNTS
 from pipeline.physics.queued_frames import QueuedFrames
 from pipeline.physics.recurring_slip import RecurringSlip
 from pipeline.physics.response_lag import LOADED, RUNNING, ResponseLag
@@ -288,7 +289,7 @@ def term(name: str, form: str = "", other_commands: Iterable[str] = ()) -> Term:
     others = tuple(other_commands)
     found = with_richer((*terms(others), *ODD, *force_terms(), *further_force_terms()))
     found += (*SHEATH_FORCES, *PRESSED, SPRUNG, *LATE, WORN, QUEUE, *UNEVEN, *RECURRING, *SKIPS)
-    found += (*RUBBING, CARRYING, LATE_DAMPER, FLANKS, *SPECTRA, SheathLine())
+    found += (*RUBBING, CARRYING, LATE_DAMPER, FLANKS, *SPECTRA, SheathLine(), *OWN_AMOUNTS)
     found += [Coupling(f"{channel}{how}") for channel in others for how in (CUBIC, CURVED)]
     same = [t for t in found if t.name == name and form in ("", t.form)]
     if same:

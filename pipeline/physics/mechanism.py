@@ -8,6 +8,7 @@ import numpy as np
 from pipeline.physics.balance import BALANCE, settle
 from pipeline.physics.kinematics import Curve, IdentityCurve, SmoothError
 from pipeline.physics.motion import Motion
+from pipeline.physics.own_amount import changed
 from pipeline.physics.piece import Piece
 
 
@@ -33,6 +34,11 @@ class OwnCourse:
     def seen_late(self) -> "OwnCourse":
         """The same with what is behind the curve behind the joint instead."""
         return OwnCourse(self.drive, (), self.joint, (*self.sensor, *self.curve))
+
+    def as_changed(self, pieces: Sequence[Piece]) -> "OwnCourse":
+        """The same with as much of each as pieces say, see `own_amount.py`."""
+        places = self.drive, self.curve, self.joint, self.sensor
+        return OwnCourse(*(changed(own, pieces) for own in places))
 
 
 State = Mapping[str, np.ndarray]
@@ -105,10 +111,14 @@ class Mechanism:
         self, signal: np.ndarray, motion: Motion, before: State, after: dict[str, np.ndarray]
     ) -> np.ndarray:
         """What the simulation makes of a drive that terms have altered, (n,)."""
-        if self.course is None:
-            return self.curve(signal)
-        signal = _through("drive", self.course.drive, signal, motion, before, after)
-        return _through("curve", self.course.curve, self.curve(signal), motion, before, after)
+        own = self._own
+        signal = _through("drive", own.drive, signal, motion, before, after)
+        return _through("curve", own.curve, self.curve(signal), motion, before, after)
+
+    @property
+    def _own(self) -> OwnCourse:
+        """What the simulation itself has, as much of it as the pieces say."""
+        return OwnCourse() if self.course is None else self.course.as_changed(self.pieces)
 
     def balanced(self, asked: np.ndarray, motion: Motion) -> Trace:
         """The same where all that the wire asks for (n,) is known."""
@@ -127,13 +137,12 @@ class Mechanism:
         after: dict[str, np.ndarray],
     ) -> Trace:
         body, balanced = asked, [p for p in pieces if p.term.in_balance]
-        if self.course is not None:
-            balanced += self.course.joint
+        own = self._own
+        balanced += own.joint
         if balanced:
             body, states = settle(asked, balanced, motion, self.curve, before.get(BALANCE), before)
             after |= states
-        if self.course is not None:
-            body = _through("sensor", self.course.sensor, body, motion, before, after)
+        body = _through("sensor", own.sensor, body, motion, before, after)
         return self._sensed(asked, body, pieces, motion, before, after)
 
     def _sensed(

@@ -58,6 +58,8 @@ class SlipSpectrum(Term):
         self, signal: np.ndarray, motion: Motion, values: np.ndarray, state: np.ndarray | None
     ) -> tuple[np.ndarray, np.ndarray]:
         reaches, holds = elements_of(values)
+        if not len(holds):
+            return signal, np.zeros(0)
         carried = [None] * len(holds) if state is None else np.split(state, len(holds))
         shares, after = zip(
             *(slipped(signal, reaches[i : i + 1], one) for i, one in enumerate(carried)),

@@ -61,7 +61,8 @@ class Surroundings:
     other_span, other_unit: range and unit of each other command. top_speed, top_acceleration: of
     the drive where a force is measured against it [drive unit/s, /s^2]; the angle is then the
     force, and `simulated` says whether the simulation has a force at all, `resisting` whether that
-    has a part that goes by the speed, `accelerating` one that goes by the acceleration.
+    has a part that goes by the speed, `accelerating` one that goes by the acceleration. own: how
+    much a simulation itself has of a name (play, friction, a lag, creep), with its unit.
     """
 
     drive_span: float = 120.0
@@ -84,6 +85,7 @@ class Surroundings:
     simulated: bool = False
     resisting: bool = False
     accelerating: bool = False
+    own: Mapping[str, tuple[float, str]] = field(default_factory=dict)
 
     @property
     def period_s(self) -> float:

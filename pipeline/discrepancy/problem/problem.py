@@ -25,6 +25,7 @@ from pipeline.physics.differentiation import Derivatives
 from pipeline.physics.kinematics import Curve, straightened
 from pipeline.physics.mechanism import Mechanism, OwnCourse, Trace
 from pipeline.physics.motion import Motion
+from pipeline.physics.own_amount import own_amounts
 from pipeline.physics.piece import Piece
 from pipeline.physics.term import Surroundings
 from pipeline.recording import Recording
@@ -212,6 +213,8 @@ def pose_problem(
     bent = static and tolerance.shape > config.tolerance.shape
     if bent:
         curve = straightened(curve, motion.drive)
+    if course is not None:
+        around = replace(around, own=own_amounts(course.own.pieces, around))
     posed = Problem(
         motion, curve, measured, simulated, train, known & heldout, around, tolerance,
         drive, static, counted=counted, rough=rough, stale=stale, replaced=replaced,
@@ -232,6 +235,7 @@ def rubbing_elsewhere(posed: Problem, course: Course, other: Course, bent: bool)
         measured=posed.measured - course.reproduced + other.reproduced,
         simulated=np.where(np.isfinite(posed.simulated), other.reproduced, np.nan),
         course=other.own,
+        around=replace(posed.around, own=own_amounts(other.own.pieces, posed.around)),
     )
 
 

@@ -2,6 +2,7 @@
 
 from pipeline.discrepancy.problem.problem import Problem
 from pipeline.physics.catalogue import LATE, force_terms, further_force_terms, terms
+from pipeline.physics.own_amount import OWN_AMOUNTS
 from pipeline.physics.term import Term
 
 
@@ -10,7 +11,8 @@ def excited_terms(problem: Problem) -> tuple[Term, ...]:
 
     What depends on a shaft's angle can't be put into a trace that mixes several of them.
     """
-    every = terms(problem.motion.others) if problem.motion.kinetics is None else force_terms()
+    angle = problem.motion.kinetics is None
+    every = (*terms(problem.motion.others), *OWN_AMOUNTS) if angle else force_terms()
     return tuple(
         t
         for t in every
