@@ -9,6 +9,7 @@ from pipeline.discrepancy.judgement.borne_out import borne_out
 from pipeline.discrepancy.judgement.cancelling import CANCELLED, cancelling
 from pipeline.discrepancy.judgement.cycle_zero import about_each_zero
 from pipeline.discrepancy.judgement.form import one_for_many
+from pipeline.discrepancy.judgement.gradual import unless_gradual
 from pipeline.discrepancy.judgement.proof import counted_errors, disproved, refuted, strained
 from pipeline.discrepancy.judgement.rivals import predicted_by
 from pipeline.discrepancy.judgement.smooth_wander import (
@@ -72,7 +73,7 @@ def decided(problem: Problem, explanation: Explanation) -> Decision:
     """What stays of the best choice, and what rest."""
     best = sure_of_slow(explanation, undisguised(explanation.choices))
     best = unless_nothing(explanation, one_for_many(explanation, best))
-    borne = borne_out(problem, explanation, best)
+    borne = borne_out(problem, explanation, unless_gradual(problem, explanation, best))
     refuted = names(best) - names(borne)
     if refuted:
         kept = [c for c in explanation.choices if c is not borne and not names(c) & refuted]
