@@ -16,6 +16,7 @@ from pipeline.physics.coupling import CUBIC, CURVED, OFFERED, Coupling
 from pipeline.physics.creep import Creep
 from pipeline.physics.driven_bank import DrivenBank
 from pipeline.physics.driven_stretch import DrivenStretch
+from pipeline.physics.early_frames import EarlyFrames
 from pipeline.physics.end_stop import EndStop
 from pipeline.physics.force_contact import ForceContact
 from pipeline.physics.force_idle_way import ForceIdleWay
@@ -100,7 +101,7 @@ LOSSY_SIDES = tuple(Contact(f"{side} {LOSSY}") for side in SIDES)
 ODD = (
     SingleBump(), LongRipple(), LongOffCentreRipple(), YieldingWire(), LoadedWire(),
     ActivatedCreep(),
-    SmoothDrift(), RunningClock(), SnappingJoint(), *LOSSY_SIDES,
+    SmoothDrift(), RunningClock(), EarlyFrames(), SnappingJoint(), *LOSSY_SIDES,
 )  # fmt: skip
 LAGS = (
     ResponseLag(), ResponseLag(RUNNING), SecondOrderLag("second"), SecondOrderLag("motor"),

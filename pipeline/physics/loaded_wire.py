@@ -13,6 +13,7 @@ from pipeline.physics.term import Parameter, Surroundings, Term
 
 CONVERSE, VARIED, LEAST = 6.0, 1.5, 5e-3
 ALONE, TWO = "loaded wire", "loaded wire two"
+AT_ONCE, AHEAD = 1.5, "an answer that runs ahead of its command, the faster the farther"
 SHARE, STIFFNESSES, LATER = 0.07, (0.02, 0.1, 0.5), 8.0
 
 
@@ -75,6 +76,9 @@ class LoadedWire(ArrivingLate):
             rows = [[*r, 0.02, LATER * r[1]] for r in rows]
         return np.array(rows)
 
+    def beyond_at(self, values: np.ndarray, around: Surroundings) -> str:
+        return ahead(values, around)
+
     def slight(self, values: np.ndarray, around: Surroundings) -> bool:
         """Of two stretches one that is hardly any, or so slow that its one settling is a drift."""
         least = min(values[0], values[-2])
@@ -82,6 +86,15 @@ class LoadedWire(ArrivingLate):
 
     def excited(self, motion: Motion, around: Surroundings) -> bool:
         return rests_differ(motion, around) and super().excited(motion, around)
+
+
+def ahead(values: np.ndarray, around: Surroundings) -> str:
+    """That a wire which has stretched within a sample is none: a sum of a motion and its speed.
+
+    values: share and time constant first.
+    """
+    at_once = values[1] < AT_ONCE * around.dwell_s
+    return AHEAD if around.dwell_s < STEP_AND_WAIT_S and at_once else ""
 
 
 def rests_differ(motion: Motion, around: Surroundings) -> bool:

@@ -282,6 +282,10 @@ class Term:
         """Names that the catalogue has for the same thing where something else is measured."""
         return ()
 
+    def beyond_at(self, values: np.ndarray, around: Surroundings) -> str:
+        """What it says with these values that its name does not; `beyond` unless said."""
+        return self.beyond
+
     def chance(self, values: np.ndarray, motion: Motion) -> float:
         """What it takes to be no more than a coincidence with these values, in -2 log odds."""
         return 0.0

@@ -7,7 +7,7 @@ from typing import ClassVar
 import numpy as np
 
 from pipeline.physics.creep import Creep
-from pipeline.physics.loaded_wire import CONVERSE, LoadedWire, rests_differ
+from pipeline.physics.loaded_wire import CONVERSE, LoadedWire, ahead, rests_differ
 from pipeline.physics.motion import Motion
 from pipeline.physics.term import Parameter, Surroundings, Term, Told
 
@@ -66,6 +66,9 @@ class YieldingWire(Creep):
 
     def excited(self, motion: Motion, around: Surroundings) -> bool:
         return rests_differ(motion, around) and super().excited(motion, around)
+
+    def beyond_at(self, values: np.ndarray, around: Surroundings) -> str:
+        return ahead(values, around)
 
     def instead(self, values: np.ndarray, motion: Motion, around: Surroundings) -> Sequence[Told]:
         return ()

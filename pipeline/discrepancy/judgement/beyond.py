@@ -59,7 +59,7 @@ def beyond_its_name(
     fit, others = choice.fit, explanation.problem.motion.others
     tied = {p.name for p in physics if p.alternatives}
     for k, piece in enumerate(fit.pieces):
-        says = piece.term.beyond
+        says = piece.term.beyond_at(piece.values, explanation.problem.around)
         if alone(fit, piece) and piece.term.name not in tied:
             says = says or piece.term.beyond_alone
         lone = "" if says or len(physics) > 1 else piece.term.beyond_lone
