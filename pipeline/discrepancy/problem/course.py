@@ -65,7 +65,7 @@ def suiting(trial: Trial, span: float, mixed: float) -> list[Found]:
     tried = measured(trial, single(trial))
     found, least = [one for one in tried if suits(one)], min(left for left, _ in tried)
     if ENOUGH * span < least < NEAR * span and trial.loop_misfit > ENOUGH:
-        both = [one for one in measured(trial, pairs(trial)) if suits(one)]
+        both = [one for one in measured(trial, pairs(trial.thinned)) if suits(one)]
         both = [
             (left, own)
             for left, own in both

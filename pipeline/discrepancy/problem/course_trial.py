@@ -19,7 +19,7 @@ from pipeline.physics.piece import Piece
 from pipeline.physics.slip_spectrum import elements_of, shares_of
 
 DEGREE, KNOTS = 9, 401
-AT_END = 0.01
+AT_END, MOST_COMPARED = 0.01, 3000
 NOTHING = OwnCourse()
 
 
@@ -67,6 +67,12 @@ class Trial:
         first = max(int(np.argmax(end)) for end in (command >= high - near, command <= low + near))
         later = self.known[self.known >= first]
         return later if 2 * len(later) >= len(self.known) else self.known
+
+    @property
+    def thinned(self) -> "Trial":
+        """The same trial, compared in about MOST_COMPARED rows."""
+        step = -(-len(self.known) // MOST_COMPARED)
+        return replace(self, known=np.union1d(self.known[::step], self.known[-1:]))
 
     @cached_property
     def loop_misfit(self) -> float:
