@@ -10,9 +10,10 @@ from pipeline.physics.motion import Motion
 from pipeline.physics.play_operator import varying_play
 from pipeline.physics.term import Parameter, Surroundings, Term
 
-UNUSUAL, BENT = 6.0, "snapping bent"
+UNUSUAL, BENT, CURVED = 6.0, "snapping bent", "snapping curved"
 MIDDLES, APARTS = (0.2, 0.35, 0.5, 0.65, 0.8), (0.05, 0.15, 0.3, 0.5, 0.75)
 OVER, SHARPEST, WIDEST = 0.06, 0.002, 0.1
+SLOPES = ("lean", 4.0), ("bend", 16.0), ("third", 32.0), ("fourth", 64.0)
 
 
 def snapped(signal: np.ndarray, values: np.ndarray, start: float) -> np.ndarray:
@@ -24,20 +25,28 @@ def snapped(signal: np.ndarray, values: np.ndarray, start: float) -> np.ndarray:
     return np.asarray(varying_play(0.5 * (least + most), 0.5 * (most - least), start))
 
 
+def slope_of(power: int, around: Surroundings) -> Parameter:
+    """What the height goes by with a power of the angle from the middle, over the height."""
+    name, times = SLOPES[power - 1]
+    most = times / around.angle_span**power
+    unit = f"1/{around.angle_unit}" + (f"^{power}" if power > 1 else "")
+    return Parameter(name, unit, -most, most, 0.0, 0.3 * most)
+
+
 class SnappingJoint(Term):
     """x = u + h(u) r: a relay r that goes from 0 to 1 above an upper place, back below a lower one.
 
     They lie `apart`, round `middle`. It is at 1 `over` beyond the upper place, and at 0 as far
     below the lower one; between the two it stays as it is, at first at 0. h is `height`, in form
-    "bent" height (1 + lean z + bend z^2), z = u - middle: each rest has a curve of its own. The
-    catalogue has no name for it: it stands where friction
-    does. Source: the relay, or hysteron, of Preisach's model (Mayergoyz, Mathematical Models of
-    Hysteresis (1991), section 1.1); of a bistable joint, snap-through.
+    "bent" height (1 + lean z + bend z^2), z = u - middle, in form "curved" with z^3 and z^4 as
+    well: each rest has a curve of its own. The catalogue has no name for it: it stands where
+    friction does. Source: the relay, or hysteron, of Preisach's model (Mayergoyz, Mathematical
+    Models of Hysteresis (1991), section 1.1); of a bistable joint, snap-through.
     """
 
     name = Friction.name
     form = "snapping"
-    grows: ClassVar = {"snapping": (BENT,)}
+    grows: ClassVar = {"snapping": (BENT,), BENT: (CURVED,)}
     site = Friction.site
     place = 100.0
     remembers = "way"
@@ -45,6 +54,11 @@ class SnappingJoint(Term):
     nameless = True
     beyond = "a snap from one rest to another, at two places"
     says = "The joint snaps by {height}."
+
+    @property
+    def powers(self) -> int:
+        """How many powers of the angle its height goes by."""
+        return {BENT: 2, CURVED: 4}.get(self.form, 0)
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
         span, low, unit = around.angle_span, around.angle_low, around.angle_unit
@@ -54,23 +68,15 @@ class SnappingJoint(Term):
             Parameter("apart", unit, 0.0, 0.95 * span, 0.3 * span, 0.0),
             Parameter("over", unit, SHARPEST * span, WIDEST * span, OVER * span, 0.0, weak=True),
         )
-        if self.form != BENT:
-            return own
-        lean, bend = 2.0 / span, 8.0 / span**2
-        return (
-            *own,
-            Parameter("lean", f"1/{unit}", -lean, lean, 0.0, 0.3 * lean),
-            Parameter("bend", f"1/{unit}^2", -bend, bend, 0.0, 0.3 * bend),
-        )
+        return (*own, *(slope_of(k, around) for k in range(1, self.powers + 1)))
 
     def respond(
         self, signal: np.ndarray, motion: Motion, values: np.ndarray, state: np.ndarray | None
     ) -> tuple[np.ndarray, np.ndarray]:
         at = snapped(signal, values, -1.0 if state is None else float(state[0]))
         height, middle = values[:2]
-        lean, bend = values[4:] if self.form == BENT else (0.0, 0.0)
-        z = signal - middle
-        return signal + 0.5 * height * (1.0 + (lean + bend * z) * z) * (at + 1.0), at[-1:].copy()
+        shape = np.polynomial.polynomial.polyval(signal - middle, np.append(1.0, values[4:]))
+        return signal + 0.5 * height * shape * (at + 1.0), at[-1:].copy()
 
     def leaps(self, motion: Motion, angle: np.ndarray, values: np.ndarray) -> np.ndarray:
         """Where it snaps, and the samples next to it: how far it had come by then says nothing."""
@@ -81,7 +87,7 @@ class SnappingJoint(Term):
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
         span, low = around.angle_span, around.angle_low
-        even = [0.0, 0.0] if self.form == BENT else []
+        even = [0.0] * self.powers
         return np.array(
             [
                 [0.03 * span, low + middle * span, apart * span, OVER * span, *even]

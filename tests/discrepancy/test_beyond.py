@@ -18,7 +18,7 @@ from pipeline.physics.piece import Piece
 from pipeline.physics.play_operator import play, varying_play
 from pipeline.physics.running_clock import RunningClock
 from pipeline.physics.single_bump import SingleBump
-from pipeline.physics.snapping_joint import SnappingJoint
+from pipeline.physics.snapping_joint import CURVED, SnappingJoint
 from pipeline.physics.worn_play import WornPlay
 from pipeline.recording import Recording
 from tests.discrepancy.made import (
@@ -103,6 +103,21 @@ def test_a_joint_that_snaps_has_no_name_but_a_place_and_a_size(seed, hidden, hei
     way = "ahead" if height > 0 else "back"
     (said,) = (note for note in found.notes if f"The joint snaps {way} by" in note)
     assert said.startswith("The corrected simulation follows what the catalogue has no name for")
+
+
+@pytest.mark.parametrize("height", [2.0, -3.0])
+@pytest.mark.long
+def test_of_a_joint_that_snaps_each_rest_has_a_curve_of_its_own(height):
+    recording = recorded({}, seed=4)
+    at = recording.values(SIMULATED)
+    bent = height * np.cos(np.deg2rad(3.4 * at)) * (relay(at, -12.0, 9.0) > 0.0)
+    result = diagnosed(changed(recording, **{ANGLE: recording.values(ANGLE) + bent}))
+    (found,), (model,) = result.diagnoses, result.models
+    assert (found.verdict, names(result)) == ("unknown_physics", set())
+    assert found.unexplained.where == SnappingJoint.beyond
+    assert found.after.heldout_rmse < 1.25 * NOISE
+    (snap,) = (p for p in model.mechanism.pieces if isinstance(p.term, SnappingJoint))
+    assert snap.term.form == CURVED
 
 
 @pytest.mark.parametrize(("height", "piled"), [(-2.5, False), (3.5, False), (0.0, True)])
