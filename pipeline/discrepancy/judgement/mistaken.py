@@ -10,6 +10,7 @@ from pipeline.discrepancy.judgement.cycle_zero import about_each_zero
 from pipeline.discrepancy.judgement.loudness import loudness
 from pipeline.discrepancy.judgement.rest import travelled
 from pipeline.discrepancy.judgement.slipping import slipping
+from pipeline.discrepancy.judgement.turned_between import turned_between
 from pipeline.discrepancy.model.intervals import undated
 from pipeline.discrepancy.model.result import Estimate, Evidence, NamedPhysics, root_mean
 from pipeline.discrepancy.problem.late import LateFrames
@@ -20,6 +21,7 @@ from pipeline.discrepancy.search.weighing import Choice
 from pipeline.number_words import worded
 from pipeline.physics.catalogue import term
 from pipeline.physics.frame_lag import FrameLag
+from pipeline.physics.held import STEP_AND_WAIT_S
 
 FRAME_LAG = FrameLag.name
 FEWEST, FEWEST_FAR = 3, 2
@@ -46,7 +48,7 @@ def mistaken_frames(
     less than FAR times the noise, or after steps of other lengths or sooner after reversals than
     the rest. None either where they come after waits of other lengths, or beside an old frame
     nearly all lie between two poses: then they show what was still on its way. Nor where noise with
-    heavy tails throws some as far.
+    heavy tails throws some as far, nor where the drive turned between two samples.
     """
     found = share_and_size(explanation)
     if found is None or of_heavy_tails(explanation):
@@ -57,6 +59,8 @@ def mistaken_frames(
     if unexplained and (few or found[1].value < FAR * noise or follow_the_drive(explanation)):
         return None
     if after_some(np.diff(motion.time_s), explanation) or on_their_way(explanation):
+        return None
+    if at_unseen_turns(explanation):
         return None
     name = FRAME_LAG if stale(explanation) else "marker_outliers"
     if name in taken:
@@ -71,6 +75,16 @@ def mistaken_frames(
         alternatives=(),
         says=said_of(name, found, explanation.problem),
     )
+
+
+def at_unseen_turns(explanation: Explanation) -> bool:
+    """Whether such rows stand off outwards, where a drive that runs on turned between samples."""
+    problem = explanation.problem
+    if problem.around.dwell_s >= STEP_AND_WAIT_S:
+        return False
+    off, drive = errors_of(explanation), problem.motion.drive
+    along = off * float(np.sign(problem.curve.slope))
+    return turned_between(drive, along, incredible(explanation), problem.train)
 
 
 def of_heavy_tails(explanation: Explanation) -> bool:
