@@ -3,12 +3,13 @@
 import numpy as np
 
 from pipeline.number_words import worded
-from pipeline.physics.frame_lag import FrameLag
+from pipeline.physics.frame_lag import MOST_S, FrameLag
 from pipeline.physics.held import STEP_AND_WAIT_S
 from pipeline.physics.motion import Motion
 from pipeline.physics.term import NO_STATE, Parameter, Surroundings
 
 UNUSUAL = 8.0
+OF_CYCLE = 0.02  # more would be another phase of what repeats
 SHARES = (0.3, 1.0, 3.0)  # of the time from sample to sample
 
 
@@ -29,8 +30,8 @@ class EarlyFrames(FrameLag):
         super().__init__("ahead")
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
-        (lag,) = FrameLag("time").parameters(around)
-        return (Parameter("lead", "s", 0.0, lag.high, lag.start, lag.typical),)
+        dwell_s, most_s = around.dwell_s, min(OF_CYCLE * around.period_s, MOST_S)
+        return (Parameter("lead", "s", 0.0, max(most_s, dwell_s), dwell_s, dwell_s),)
 
     def respond(
         self, signal: np.ndarray, motion: Motion, values: np.ndarray, state: np.ndarray | None

@@ -240,6 +240,17 @@ def test_a_mix_of_two_commands_of_a_circle_is_no_lag_of_one_though_it_looks_like
     assert course_of(motors, time_s, mixed) is None
 
 
+@pytest.mark.long
+def test_where_two_commands_mix_and_come_late_no_one_of_them_is_held_to_rub_and_swing():
+    time_s = 0.2 * np.arange(330)
+    turn = 2.0 * np.pi * time_s / 12.5
+    size = 300.0 + 8.0 * np.sin(0.11 * time_s)
+    motors = {"one": size * np.cos(turn), "other": size * np.sin(turn)}
+    asked = 0.016 * motors["one"] + 0.014 * motors["other"]
+    mixed = np.asarray(lfilter([0.3], [1.0, -0.7], asked))
+    assert course_of(motors, time_s, mixed) is None
+
+
 def real(simulated: np.ndarray, clean: np.ndarray) -> Recording:
     seen = 1.01 * clean + 0.3 + NOISE * np.random.default_rng(2).standard_normal(len(clean))
     recording = followed(TIME_S, DRIVE, seen, PACE_HZ)

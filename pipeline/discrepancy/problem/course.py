@@ -15,7 +15,7 @@ from pipeline.discrepancy.problem.course_trial import DEGREE, NOTHING, Course, T
 from pipeline.physics.mechanism import OwnCourse
 
 EXACT, ROUGHLY, BETTER, PLAINER, ALIKE = 2e-3, 4e-3, 0.1, 2.0, 2e-4
-ENOUGH, NEAR, MUCH_BETTER = 1e-3, 0.05, 3.0
+ENOUGH, NEAR, MUCH_BETTER, MIXED = 1e-3, 0.05, 3.0, 0.7
 MOST_ROWS = 20_000
 
 Found = tuple[float, OwnCourse]
@@ -52,11 +52,12 @@ def course_of(
 def suiting(trial: Trial, span: float, mixed: float) -> list[Found]:
     """The courses that suit a simulation of that range, with what each leaves, the plainest first.
 
-    Of two pieces where one leaves more than ENOUGH and two leave MUCH_BETTER, or none suits; and
-    much less than a mix of commands leaves (RMS). Not of one loop, gone through again and again:
-    two can make any of it.
+    Of two pieces where one leaves more than ENOUGH and two leave MUCH_BETTER, or none suits. Not of
+    one loop, gone through again and again: two can make any of it; nor where a mix of commands
+    leaves so much less (`mixed`, RMS) that several move it.
     """
-    alone = BETTER * trial.left(NOTHING)
+    static = trial.left(NOTHING)
+    alone, several = BETTER * static, mixed < MIXED * static
 
     def suits(one: Found) -> bool:
         left, own = one
@@ -64,13 +65,10 @@ def suiting(trial: Trial, span: float, mixed: float) -> list[Found]:
 
     tried = measured(trial, single(trial))
     found, least = [one for one in tried if suits(one)], min(left for left, _ in tried)
-    if ENOUGH * span < least < NEAR * span and trial.loop_misfit > ENOUGH:
+    unsure = ENOUGH * span < least < NEAR * span
+    if unsure and not several and trial.loop_misfit > ENOUGH:
         both = [one for one in measured(trial, pairs(trial.thinned)) if suits(one)]
-        both = [
-            (left, own)
-            for left, own in both
-            if left < BETTER * mixed and trial.off(own) < limit_of(own) * span
-        ]
+        both = [(left, own) for left, own in both if trial.off(own) < limit_of(own) * span]
         if both and (not found or min(left for left, _ in both) < least / MUCH_BETTER):
             return both
     return found

@@ -22,7 +22,7 @@ from pipeline.physics.yielding_play import YieldingPlay
 
 SIZES, DAMPINGS = 14, (0.4, 0.7, 1.0)
 SHORTEST, LONGEST, NARROWEST, WIDEST = 0.1, 0.05, 1e-3, 0.4
-QUICKLY, HIGHEST, MOST_DAMPED = 0.2, 6.0, 5.0
+QUICKLY, HIGHEST, LEAST_DAMPED, MOST_DAMPED = 0.2, 6.0, 0.05, 5.0
 SHARES, SLOWEST = (0.05, 0.2), 0.3
 REACHES, RELEASES = (0.6, 1.2, 2.5), (0.05, 0.8)
 FINELY = {"maxiter": 160, "xatol": 1e-4, "fatol": 1e-6}
@@ -110,7 +110,7 @@ def swinging(trial: Trial, lags_s: np.ndarray) -> Kind:
     return Kind(
         SecondOrderLag(),
         paces,
-        lambda x: np.array([min(x[0], most), min(x[1], MOST_DAMPED), moving]),
+        lambda x: np.array([min(x[0], most), np.clip(x[1], LEAST_DAMPED, MOST_DAMPED), moving]),
     )
 
 
