@@ -1,7 +1,7 @@
 """A mechanism: terms in their order, from the drive to what the sensor says."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 
 import numpy as np
 
@@ -37,10 +37,10 @@ class OwnCourse:
 
     def as_changed(self, pieces: Sequence[Piece]) -> "OwnCourse":
         """The same with as much of each as pieces say, see `own_amount.py`."""
-        places = self.drive, self.curve, self.joint, self.sensor
-        return OwnCourse(*(changed(own, pieces) for own in places))
+        return OwnCourse(*(changed(getattr(self, place), pieces) for place in PLACES))
 
 
+PLACES = tuple(place.name for place in fields(OwnCourse))
 State = Mapping[str, np.ndarray]
 COURSE = "course"
 

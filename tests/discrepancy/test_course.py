@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from pipeline.discrepancy.model.model import PLACES, as_json, from_json
+from pipeline.discrepancy.model.model import as_json, from_json
 from pipeline.discrepancy.problem.course import course_of
 from pipeline.discrepancy.problem.course_trial import Course
 from pipeline.discrepancy.problem.driven import driven_by
 from pipeline.discrepancy.problem.static_misfit import loop_misfit, static_misfit
-from pipeline.physics.mechanism import OwnCourse
+from pipeline.physics.mechanism import PLACES, OwnCourse
 from pipeline.physics.motion import Motion
 from pipeline.physics.play_operator import play
 from pipeline.physics.second_order_lag import SecondOrderLag

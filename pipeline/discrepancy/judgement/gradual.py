@@ -4,14 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 
+from pipeline.discrepancy.fitting.moments import moments_of, moved
 from pipeline.discrepancy.judgement.borne_out import without
 from pipeline.discrepancy.judgement.rivals import predicted_by
-from pipeline.discrepancy.model.intervals import moment_interval, moments_of
+from pipeline.discrepancy.model.intervals import moment_interval
 from pipeline.discrepancy.problem.problem import Problem
 from pipeline.discrepancy.search.explain import Explanation
 from pipeline.discrepancy.search.weighing import Choice
 from pipeline.physics.lost_steps import LostSteps
-from pipeline.physics.piece import Piece
 
 FEWEST, SURE = 10, 30.0
 
@@ -40,20 +40,12 @@ def is_gradual(problem: Problem, best: Choice, k: int, j: int) -> bool:
     if len(rows) < FEWEST:
         return False
     late, early = (
-        predicted_by(problem, slipping_at(best, k, j, at_s))[rows] for at_s in (high_s, low_s)
+        predicted_by(problem, replace(best, fit=moved(best.fit, k, j, at_s)))[rows]
+        for at_s in (high_s, low_s)
     )
     off, noise = problem.measured[rows] - late, best.fit.ground.noise
     better = left_by_levels(off, early - late) - left_by_line(time_s[rows], off)
     return better > SURE * noise.deviation**2 * noise.alike
-
-
-def slipping_at(best: Choice, k: int, j: int, at_s: float) -> Choice:
-    """A choice with that moment at another time [s]."""
-    pieces = list(best.fit.pieces)
-    values = pieces[k].values.copy()
-    values[j] = at_s
-    pieces[k] = Piece(pieces[k].term, values)
-    return replace(best, fit=replace(best.fit, pieces=tuple(pieces)))
 
 
 def left_by_line(time_s: np.ndarray, off: np.ndarray) -> float:

@@ -58,9 +58,8 @@ def mistaken_frames(
     motion = explanation.problem.motion
     if unexplained and (few or found[1].value < FAR * noise or follow_the_drive(explanation)):
         return None
-    if after_some(np.diff(motion.time_s), explanation) or on_their_way(explanation):
-        return None
-    if at_unseen_turns(explanation):
+    waits = np.diff(motion.time_s)
+    if after_some(waits, explanation) or on_their_way(explanation) or at_unseen_turns(explanation):
         return None
     name = FRAME_LAG if stale(explanation) else "marker_outliers"
     if name in taken:

@@ -12,13 +12,12 @@ from pipeline.discrepancy.noise.noise import NoiseModel
 from pipeline.errors import LoopgapError, refusal
 from pipeline.physics.catalogue import term
 from pipeline.physics.kinematics import Beside, Curve, IdentityCurve, SampledCurve, SmoothError
-from pipeline.physics.mechanism import Mechanism, OwnCourse
+from pipeline.physics.mechanism import PLACES, Mechanism, OwnCourse
 from pipeline.physics.motion import Motion
 from pipeline.physics.piece import Piece
 from pipeline.physics.term import Surroundings, Term
 
 SCHEMA = "loopgap.model/4"
-PLACES = ("drive", "curve", "joint", "sensor")
 DIFFERENCE = 0.2
 
 

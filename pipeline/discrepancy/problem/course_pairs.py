@@ -22,7 +22,7 @@ EVERY = 2  # of the sizes that one piece alone begins from
 QUICKER = np.array([0.5, 1.0])
 EXACTLY, NEARLY = 2e-4, 2.5
 
-Pair = Callable[[Trial, Piece, np.ndarray], OwnCourse | None]
+Pair = Callable[..., OwnCourse | None]  # of a lag, and of play or of the trial
 
 
 def pairs(trial: Trial) -> list[OwnCourse]:
@@ -33,7 +33,9 @@ def pairs(trial: Trial) -> list[OwnCourse]:
     """
     widths = widths_of(trial)[::EVERY]
     lags = [Kind(ResponseLag(form), lags_of(trial)[::EVERY, None]) for form in forms_of(trial)]
-    found = {pair: [paired(trial, pair, lag, widths) for lag in lags] for pair in PAIRS}
+    found = {
+        pair: [paired(trial, pair, lag, widths) for lag in lags] for pair in (*WITH_PLAY, *RUBBING)
+    }
     firsts = {pair: min(own, key=trial.left) for pair, own in found.items()}
     least = min(map(trial.left, firsts.values()))
     if least > EXACTLY * np.ptp(trial.simulated):
@@ -46,42 +48,47 @@ def pairs(trial: Trial) -> list[OwnCourse]:
 
 
 def paired(trial: Trial, pair: Pair, lag: Kind, widths: np.ndarray) -> OwnCourse:
-    """The best course of a kind of lag, beside what may have one of some widths (k,)."""
+    """The best course of a kind of lag, beside play of about some widths (k,) where it has play."""
     starts, size = np.log(lag.starts), lag.starts.shape[1]
-    if pair in WIDE:
+    if pair in WITH_PLAY:
         starts = np.array([[*start, np.log(width)] for start in starts for width in widths])
-    return best(trial, lambda logs: pair(trial, lag.piece(logs[:size]), logs[size:]), starts)
+
+    def own(logs: np.ndarray) -> OwnCourse | None:
+        late, wide = lag.piece(logs[:size]), np.exp(logs[size:])
+        return pair(late, Piece(Backlash(), wide)) if len(wide) else pair(late, trial)
+
+    return best(trial, own, starts)
 
 
-def joint_behind(trial: Trial, lag: Piece, logs: np.ndarray) -> OwnCourse | None:
+def play_behind(lag: Piece, play: Piece) -> OwnCourse:
+    """A drive that comes late, and has play."""
+    return OwnCourse(drive=(lag, play))
+
+
+def play_before(lag: Piece, play: Piece) -> OwnCourse:
+    """Play before a wire that comes late."""
+    return OwnCourse(drive=(play,), curve=(lag,))
+
+
+def joint_behind(lag: Piece, trial: Trial) -> OwnCourse | None:
     """A joint that rubs, of a wire that comes late."""
     return trial.rubbing_at_joint(OwnCourse(curve=(lag,)))
 
 
-def joint_before(trial: Trial, lag: Piece, logs: np.ndarray) -> OwnCourse | None:
+def joint_before(lag: Piece, trial: Trial) -> OwnCourse | None:
     """A joint that rubs, seen late."""
     return trial.rubbing_at_joint(OwnCourse(sensor=(lag,)))
 
 
-def friction_behind(trial: Trial, lag: Piece, logs: np.ndarray) -> OwnCourse | None:
+def friction_behind(lag: Piece, trial: Trial) -> OwnCourse | None:
     """A drive that comes late, and rubs."""
     return trial.rubbing_at_drive(OwnCourse(drive=(lag,)))
 
 
-def friction_before(trial: Trial, lag: Piece, logs: np.ndarray) -> OwnCourse | None:
+def friction_before(lag: Piece, trial: Trial) -> OwnCourse | None:
     """A drive that rubs, of a wire that comes late."""
     return trial.rubbing_at_drive(OwnCourse(curve=(lag,)))
 
 
-def play_behind(trial: Trial, lag: Piece, logs: np.ndarray) -> OwnCourse:
-    """A drive that comes late, and has play of a width of that logarithm."""
-    return OwnCourse(drive=(lag, Piece(Backlash(), np.exp(logs))))
-
-
-def play_before(trial: Trial, lag: Piece, logs: np.ndarray) -> OwnCourse:
-    """Play of a width of that logarithm before a wire that comes late."""
-    return OwnCourse(drive=(Piece(Backlash(), np.exp(logs)),), curve=(lag,))
-
-
-WIDE = (play_behind, play_before)
-PAIRS = (*WIDE, joint_behind, joint_before, friction_behind, friction_before)
+WITH_PLAY: tuple[Pair, ...] = (play_behind, play_before)
+RUBBING: tuple[Pair, ...] = (joint_behind, joint_before, friction_behind, friction_before)

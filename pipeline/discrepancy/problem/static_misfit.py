@@ -16,9 +16,7 @@ def static_misfit(command: np.ndarray, simulated: np.ndarray) -> float:
     still.
     """
     span = float(np.ptp(simulated)) if len(simulated) else 0.0
-    if len(simulated) < 3 or float(np.ptp(command)) == 0.0:
-        return np.inf
-    if span == 0.0:
+    if len(simulated) < 3 or float(np.ptp(command)) == 0.0 or span == 0.0:
         return np.inf
     order = np.argsort(command, kind="stable")
     u, s = command[order], simulated[order]
@@ -27,7 +25,6 @@ def static_misfit(command: np.ndarray, simulated: np.ndarray) -> float:
     repeat = float(np.sqrt(np.mean((s - mean[place]) ** 2)))
     if len(at) < 5:
         return repeat / span
-    middle = np.interp(at[1:-1], at[[0, -1]], mean[[0, -1]])
     left, right = at[1:-1] - at[:-2], at[2:] - at[1:-1]
     middle = (mean[:-2] * right + mean[2:] * left) / (left + right)
     beside = float(np.sqrt(np.mean((mean[1:-1] - middle) ** 2)))
