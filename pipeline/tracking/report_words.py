@@ -6,6 +6,8 @@ from collections.abc import Iterable
 from pipeline.discrepancy.model.result import FOLLOWS, Diagnosis, NamedPhysics
 from pipeline.number_words import LARGEST
 
+LEAVES_OUT, TOO_MUCH = "leaves out", "has too much"
+
 TITLES = {
     "no_mismatch": "Nothing left out",
     "explained": "Explained",
@@ -79,29 +81,47 @@ def placed(where: str) -> str:
 
 def verdict_sentence(diagnosis: Diagnosis) -> str:
     """The verdict in a sentence."""
-    named = listed(_with_site(physics) for physics in diagnosis.physics)
+    named, surplus = claims(diagnosis.physics), any(p.surplus for p in diagnosis.physics)
     where = diagnosis.unexplained.where
     rest = f" (it shows {placed(where)})" if where else ""
     if diagnosis.verdict == "explained":
-        return f"The simulation leaves out {named}."
+        return f"The simulation {named}."
     if diagnosis.verdict == "partly_explained":
-        return (
-            f"The simulation leaves out {named}, and something more "
-            f"that nothing in the catalogue explains{rest}."
-        )
+        more = f"{LEAVES_OUT} something more" if surplus else "something more"
+        return f"The simulation {named}, and {more} that nothing in the catalogue explains{rest}."
     if diagnosis.verdict == "unknown_physics":
         return (
             f"The simulation leaves something out, and nothing in the catalogue explains it{rest}."
         )
     if diagnosis.verdict == "ambiguous":
-        certain = listed(_with_site(p) for p in diagnosis.physics if not p.alternatives)
-        either = [one_of(_names(p)) for p in diagnosis.physics if p.alternatives]
-        found = ", and ".join([*([certain] if certain else []), *either])
-        return f"The simulation leaves out {found}; this recording can't tell which."
+        certain = claims(p for p in diagnosis.physics if not p.alternatives)
+        either = [_open_claim(p) for p in diagnosis.physics if p.alternatives]
+        first, *others = [*([certain] if certain else []), *either]
+        if not surplus:
+            others = [claim.removeprefix(f"{LEAVES_OUT} ") for claim in others]
+        found = ", and ".join([first, *others])
+        return f"The simulation {found}; this recording can't tell which."
     return (
         "The simulation leaves nothing out that this recording could show: "
         "what differs is noise and calibration."
     )
+
+
+def claims(physics: Iterable[NamedPhysics]) -> str:
+    """What a simulation leaves out, and of what it has too much, as a predicate."""
+    said_of: dict[bool, list[str]] = {}
+    for one in physics:
+        said_of.setdefault(one.surplus, []).append(_with_site(one))
+    verbs = {False: LEAVES_OUT, True: TOO_MUCH}
+    return " and ".join(f"{verbs[much]} {listed(said_of[much])}" for much in sorted(said_of))
+
+
+def _open_claim(physics: NamedPhysics) -> str:
+    """The same of one that may be another, which the simulation would then leave out."""
+    name, *others = _names(physics)
+    if physics.surplus:
+        return f"{TOO_MUCH} {name} or {LEAVES_OUT} {one_of(others)}"
+    return f"{LEAVES_OUT} {one_of([name, *others])}"
 
 
 def error_sentence(diagnosis: Diagnosis) -> str:

@@ -63,6 +63,7 @@ def test_more_or_less_of_what_the_simulation_has_is_told_as_that(
     assert names(found) == {name}
     assert value_of(found, name, size).value == pytest.approx(value, rel=0.05)
     assert diagnosis.after.heldout_rmse < 1.1 * NOISE
+    assert diagnosis.physics[0].surplus is (value < 0)
     assert f"too {'much' if value < 0 else 'little'}" in diagnosis.physics[0].says
     stored = from_json(as_json(model), ["yaw_command_deg"])
     np.testing.assert_array_equal(stored.predict(evidence.motion)[0], evidence.after)

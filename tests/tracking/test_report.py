@@ -26,6 +26,7 @@ from pipeline.discrepancy.model.result import (
     NamedPhysics,
     NextExperiment,
     Unexplained,
+    as_json,
 )
 from pipeline.discrepancy.noise.noise import NoiseModel
 from pipeline.physics.catalogue import FORCES, MEANINGS
@@ -249,6 +250,27 @@ def test_each_verdict_is_a_sentence(verdict: str, sentence: str) -> None:
     assert "0.22 deg" in (said := error_sentence(diagnosis(verdict)))
     told = verdict in ("explained", "partly_explained")
     assert ("Backlash may also be friction." in said) is told
+
+
+TOO_MUCH = replace(BACKLASH, alternatives=(), surplus=True)
+STOP = NamedPhysics("end_stop", "body", 0.9, (), 1.0, (), "It hits a stop.")
+
+
+@pytest.mark.parametrize(
+    ("verdict", "physics", "said"),
+    [
+        ("explained", (TOO_MUCH,), "The simulation has too much backlash (transmission)."),
+        ("explained", (TOO_MUCH, STOP),
+         "The simulation leaves out end stop (body) and has too much backlash (transmission)."),
+        ("partly_explained", (TOO_MUCH,), "(transmission), and leaves out something more that"),
+        ("ambiguous", (replace(BACKLASH, surplus=True), STOP),
+         "leaves out end stop (body), and has too much backlash or leaves out friction; this"),
+    ],
+)  # fmt: skip
+def test_too_much_of_something_is_not_said_to_be_left_out(verdict, physics, said) -> None:
+    assert said in verdict_sentence(replace(diagnosis(verdict), physics=physics))
+    written = as_json((replace(diagnosis(verdict), physics=physics),))
+    assert all("surplus" not in p for p in written["measurements"][0]["physics"])
 
 
 @pytest.mark.usefixtures("undrawn")

@@ -24,6 +24,7 @@ from pipeline.discrepancy.search.ties import standing
 from pipeline.discrepancy.search.weighing import Choice
 from pipeline.number_words import worded
 from pipeline.physics.force_term import ForceTerm
+from pipeline.physics.own_amount import OwnAmount
 from pipeline.physics.piece import Piece
 
 SUREST = 0.98
@@ -89,6 +90,7 @@ def of_terms(
             heldout_rmse_without=error_without(best, name, evidence),
             alternatives=() if piece.term.beyond else stands.alternatives,
             says=says + said_of_surplus(piece) + said_of_ways(piece, ways) + said_as_measured(own),
+            surplus=is_surplus(piece),
         )
 
 
@@ -100,8 +102,13 @@ def without_name(best: Choice) -> list[str]:
 
 
 def said_of_surplus(piece: Piece) -> str:
-    """That the simulation has too much of a force, where its size is negative; "" elsewhere."""
-    return SURPLUS if isinstance(piece.term, ForceTerm) and piece.values[0] < 0.0 else ""
+    """That the simulation has too much of a force; "" elsewhere."""
+    return SURPLUS if isinstance(piece.term, ForceTerm) and is_surplus(piece) else ""
+
+
+def is_surplus(piece: Piece) -> bool:
+    """Whether the simulation has too much of it: of a force, or its own, of a negative size."""
+    return isinstance(piece.term, ForceTerm | OwnAmount) and bool(piece.values[0] < 0.0)
 
 
 def said_as_measured(own: Sequence[Estimate]) -> str:

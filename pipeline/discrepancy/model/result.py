@@ -29,7 +29,7 @@ class Estimate:
 
 @dataclass(frozen=True)
 class NamedPhysics:
-    """One term that the simulation left out."""
+    """One term that the simulation left out; surplus: of which it has too much instead."""
 
     name: str
     site: str
@@ -38,6 +38,7 @@ class NamedPhysics:
     heldout_rmse_without: float
     alternatives: tuple[str, ...]
     says: str
+    surplus: bool = False
 
 
 @dataclass(frozen=True)
@@ -174,8 +175,10 @@ class DiagnosisResult:
 
 
 def as_json(diagnoses: tuple[Diagnosis, ...]) -> Mapping[str, Any]:
-    """The content of diagnosis.json (the notes belong to the report)."""
+    """The content of diagnosis.json (notes and what is surplus belong to the report)."""
     entries = [{k: v for k, v in asdict(d).items() if k != "notes"} for d in diagnoses]
     for entry in entries:
+        for physics in entry["physics"]:
+            del physics["surplus"]
         entry["calibration"] = {k: v for k, v in entry["calibration"].items() if v is not None}
     return {"schema": SCHEMA, "measurements": entries}
