@@ -185,6 +185,7 @@ def model_of(
         zero=None if wandering else zero_at_end(problem, choice.fit),
         counted=problem.counted,
         rough=problem.rough,
+        cornered=problem.motion.corners is not None,
         zeros=problem.motion.zeros,
     )
 

@@ -1,17 +1,20 @@
 """An angle explained, also as a sensor with levels reads it and as its simulation moves itself."""
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 
 from pipeline.discrepancy.fitting.fit import evaluate, improve
 from pipeline.discrepancy.judgement.rivals import predicted_by
+from pipeline.discrepancy.problem.cornered import moved_on
 from pipeline.discrepancy.problem.levels import BLURRED
 from pipeline.discrepancy.problem.problem import Problem
 from pipeline.discrepancy.problem.thinning import thinned
 from pipeline.discrepancy.search.explain import Explanation, explain
 from pipeline.discrepancy.search.refuted import not_noise
 from pipeline.discrepancy.search.weighing import by_names
+from pipeline.physics.term import Term
 
 TRIED, FEW, CLEARLY = 12, 2, 2.0
 
@@ -25,11 +28,12 @@ def explained(problem: Problem) -> tuple[Problem, Explanation]:
     known once what they should have read is; then it is taken off them.
     """
     explanation = explain(thinned(problem)[0])
-    other = otherwise_simulated(problem, explanation)
-    if other is not None:
-        found = explain(thinned(other)[0])
-        if better_by_row(found, explanation):
-            problem, explanation = other, found
+    for otherwise in (otherwise_simulated, otherwise_moved):
+        other = otherwise(problem, explanation)
+        if other is not None:
+            found = explain(thinned(other)[0])
+            if better_by_row(found, explanation):
+                problem, explanation = other, found
     between = between_levels(problem, explanation)
     if between is problem:
         return problem, explanation
@@ -47,22 +51,35 @@ def otherwise_simulated(problem: Problem, explanation: Explanation) -> Problem |
     if problem.traced is not None:
         return problem.traced
     other = problem.elsewhere or problem.late_last
-    return other if other is not None and promising(other, explanation) else None
+    if other is None or not promising(other, explanation, lambda term: term.in_balance):
+        return None
+    return other
 
 
-def promising(other: Problem, explanation: Explanation) -> bool:
-    """Whether some choice with terms at the joint explains more in another problem of its rows.
+def otherwise_moved(problem: Problem, explanation: Explanation) -> Problem | None:
+    """The problem with its commands turning between samples, where that may explain more."""
+    if problem.motion.corners is not None or not unclear(explanation):
+        return None
+    motion = moved_on(problem.motion)
+    other = None if motion is None else replace(problem, motion=motion)
+    if other is None or not promising(other, explanation, lambda term: bool(term.remembers)):
+        return None
+    return other
+
+
+def promising(other: Problem, explanation: Explanation, concerned: Callable[[Term], bool]) -> bool:
+    """Whether some choice with terms that are concerned explains more in another problem.
 
     A few terms may: what is piled up in their place leads the choices.
     """
     small, search = thinned(other)[0], explanation.search
-    at_joint = [
+    own = [
         c
         for c in by_names([*explanation.choices, *search.seen.values()])
-        if any(p.term.in_balance for p in c.fit.pieces)
+        if any(concerned(p.term) for p in c.fit.pieces)
     ]
-    few = [c for c in at_joint if len(c.fit.pieces) <= FEW]
-    for choice in [*few[:TRIED], *at_joint[:TRIED]]:
+    few = [c for c in own if len(c.fit.pieces) <= FEW]
+    for choice in [*few[:TRIED], *own[:TRIED]]:
         fit = choice.fit
         ground = replace(fit.ground, problem=small)
         trial = search.weighed(improve(evaluate(ground, fit.pieces)), choice.place)

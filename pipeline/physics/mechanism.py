@@ -61,6 +61,12 @@ class Trace:
     added: np.ndarray | None = None
     beside: dict[int, "Trace"] = field(default_factory=dict, repr=False, compare=False)
 
+    def rows(self, wanted: np.ndarray) -> "Trace":
+        """The same in some of its rows (indices)."""
+        added = None if self.added is None else self.added[wanted]
+        asked, body, seen = (x[wanted] for x in (self.asked, self.body, self.seen))
+        return Trace(asked, body, seen, self.state, added)
+
 
 @dataclass(frozen=True)
 class Mechanism:
@@ -94,6 +100,9 @@ class Mechanism:
 
     def trace(self, motion: Motion, state: State | None = None) -> Trace:
         """The angle that the joint takes and the one that the sensor sees, before calibration."""
+        if motion.corners is not None:
+            whole, rows = motion.whole
+            return self.trace(whole, state).rows(rows)
         before = {} if state is None else state
         after: dict[str, np.ndarray] = {}
         pieces = _in_order(self.pieces)

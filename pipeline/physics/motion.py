@@ -6,6 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
+from pipeline.physics.corners import Corners
 from pipeline.physics.delay import delayed
 from pipeline.physics.even_grid import quantum_of
 
@@ -72,6 +73,7 @@ class Motion:
     radian: how many angle units a radian has.
     zeros: from which value of each other command a coupling counts; 0 of those not named.
     kinetics: None unless a force is measured against the motion.
+    corners: where the commands turned between samples, if that is known.
     """
 
     drive: np.ndarray
@@ -81,6 +83,7 @@ class Motion:
     radian: float = 180.0 / np.pi
     kinetics: Kinetics | None = None
     zeros: Mapping[str, float] = field(default_factory=dict)
+    corners: Corners | None = None
 
     def __len__(self) -> int:
         return len(self.drive)
@@ -117,6 +120,29 @@ class Motion:
         extra = self.kinetics.turned != self.drive
         went = np.insert(self.drive, np.flatnonzero(extra), self.kinetics.turned[extra])
         return went, rows + np.cumsum(extra)
+
+    @cached_property
+    def whole(self) -> "tuple[Motion, np.ndarray]":
+        """The motion with its corners among its samples, and where these are then, (n,)."""
+        rows = np.arange(len(self.drive))
+        if self.corners is None:
+            return self, rows
+        places = np.searchsorted(self.time_s, self.corners.time_s)
+        inside = (places > 0) & (places < len(rows))
+        when, told = places[inside], self.corners
+        others = {
+            name: np.insert(values, when, told.others[name][inside])
+            for name, values in self.others.items()
+        }
+        whole = replace(
+            self,
+            drive=np.insert(self.drive, when, told.drive[inside]),
+            time_s=np.insert(self.time_s, when, told.time_s[inside]),
+            cycle=np.insert(self.cycle, when, self.cycle[when - 1]),
+            others=others,
+            corners=None,
+        )
+        return whole, rows + np.searchsorted(when, rows, side="right")
 
     @cached_property
     def cycle_begins(self) -> np.ndarray:

@@ -6,6 +6,7 @@ import numpy as np
 import pandas as pd
 
 from pipeline.discrepancy.model.model import CorrectedModel, ModelError
+from pipeline.discrepancy.problem.cornered import moved_on
 from pipeline.discrepancy.problem.counts import between_known_counts
 from pipeline.discrepancy.problem.rough import behind_known_noise
 from pipeline.errors import refusal
@@ -51,7 +52,7 @@ def motion_for(
         return motion.delayed(model.delay_s)
     drive = between_known_counts(np.ascontiguousarray(own, dtype=float), model.counted)
     time_s = recording.values("time_s")
-    return Motion(
+    motion = Motion(
         drive=behind_known_noise(drive, time_s, model.rough),
         time_s=time_s,
         cycle=recording.values("cycle").astype(np.int64),
@@ -59,6 +60,7 @@ def motion_for(
         radian=model.radian,
         zeros=model.zeros,
     )
+    return moved_on(motion) or motion if model.cornered else motion
 
 
 def _simulated(model: CorrectedModel, recording: Recording) -> np.ndarray:

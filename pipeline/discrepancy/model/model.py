@@ -55,7 +55,8 @@ class CorrectedModel:
     motion it is recorded. rivals: the other explanations. later: what answers once the recording's
     `lasted_s` are over, held-out rows having been fitted too; zero: where it stood then. counted:
     the step of the encoder that counted the drive, 0.0 of another. rough: the noise of a drive that
-    was measured, 0.0 of another. end: where the recording ended, and as what it left the mechanism.
+    was measured, 0.0 of another. cornered: whether its commands go on beyond their samples, see
+    `corners.py`. end: where the recording ended, and as what it left the mechanism.
     zeros: see `Motion`.
     """
 
@@ -76,6 +77,7 @@ class CorrectedModel:
     lasted_s: float = np.inf
     counted: float = 0.0
     rough: float = 0.0
+    cornered: bool = False
     end: End | None = None
     zeros: Mapping[str, float] = field(default_factory=dict)
 
@@ -185,6 +187,7 @@ def as_json(model: CorrectedModel) -> dict[str, Any]:
         "lasted_s": model.lasted_s if np.isfinite(model.lasted_s) else None,
         "counted": model.counted,
         "rough": model.rough,
+        "cornered": model.cornered,
         "end": None if model.end is None else model.end.as_json(),
         "noise": asdict(model.noise),
         "covariance": model.covariance.tolist(),
@@ -251,7 +254,7 @@ def from_json(entry: Mapping[str, Any], others: list[str]) -> CorrectedModel:
             rivals, _zero(entry),
             None if entry.get("later") is None else _refitted(entry["later"], like, others),
             np.inf if entry.get("lasted_s") is None else entry["lasted_s"],
-            entry.get("counted", 0.0), entry.get("rough", 0.0),
+            entry.get("counted", 0.0), entry.get("rough", 0.0), entry.get("cornered", False),
             None if entry.get("end") is None else end_from_json(entry["end"]),
             entry.get("zeros", {}),
         )  # fmt: skip

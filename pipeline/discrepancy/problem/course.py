@@ -9,10 +9,12 @@ from dataclasses import replace
 
 import numpy as np
 
+from pipeline.discrepancy.problem.cornered import moved_on
 from pipeline.discrepancy.problem.course_pairs import pairs
 from pipeline.discrepancy.problem.course_pieces import single
 from pipeline.discrepancy.problem.course_trial import DEGREE, NOTHING, Course, Trial, rubs
 from pipeline.physics.mechanism import OwnCourse
+from pipeline.physics.motion import Motion
 
 EXACT, ROUGHLY, BETTER, PLAINER, ALIKE = 2e-3, 4e-3, 0.1, 2.0, 2e-4
 ENOUGH, NEAR, MUCH_BETTER, MIXED = 1e-3, 0.05, 3.0, 0.7
@@ -27,26 +29,50 @@ def course_of(
     """The course of a simulation (n,), where one makes it of a command (n,) to EXACT of its range.
 
     Friction, of which each simulation has a law of its own, ROUGHLY so. It must leave less than a
-    tenth of what a curve alone leaves; of those that leave about as little the plainest counts.
+    tenth of what a curve alone leaves; of those that leave about as little the plainest counts. The
+    command may have turned between samples, where the simulation says so (`corners.py`).
     """
     known = np.flatnonzero(np.isfinite(simulated))[:MOST_ROWS]
     span = float(np.ptp(simulated[known])) if len(known) else 0.0
     for name, command in commands.items():
         if span == 0.0 or np.ptp(command[known]) == 0.0 or known[-1] + 1 < DEGREE * DEGREE:
             continue
-        whole = np.interp(np.arange(len(simulated)), known, simulated[known])
-        trial = Trial(command, time_s, whole, known)
-        others = [other[trial.until] for other in commands.values() if other is not command]
-        found = suiting(trial, span, trial.left_by_mix(others))
-        if found:
-            enough = max(PLAINER * min(left for left, _ in found), ALIKE * span)
-            own = next(own for left, own in found if left <= enough)
-            if rubs(own):
-                own = rubbing_one(found)
-            course = trial.course(name, own)
-            other = elsewhere(own, found)
-            return course if other is None else replace(course, otherwise=trial.course(name, other))
+        others = {n: other for n, other in commands.items() if n != name}
+        motion = Motion(command, time_s, np.zeros(len(command), dtype=np.int64), others)
+        course = course_on(name, motion, simulated, known)
+        cornered = moved_on(motion)
+        if cornered is not None:
+            other = course_on(name, cornered, simulated, known)
+            if other is not None and (course is None or nearer(other, course, simulated, known)):
+                course = replace(other, cornered=True)
+        if course is not None:
+            return course
     return None
+
+
+def course_on(name: str, motion: Motion, simulated: np.ndarray, known: np.ndarray) -> Course | None:
+    """The course of a simulation (n,) of which some rows are known, of a motion's drive."""
+    whole, rows = motion.whole
+    span, known_s = float(np.ptp(simulated[known])), motion.time_s[known]
+    trial = Trial(
+        whole.drive, whole.time_s, np.interp(whole.time_s, known_s, simulated[known]), rows[known]
+    )
+    others = [other[trial.until] for other in whole.others.values()]
+    found = suiting(trial, span, trial.left_by_mix(others))
+    if not found:
+        return None
+    enough = max(PLAINER * min(left for left, _ in found), ALIKE * span)
+    own = next(own for left, own in found if left <= enough)
+    if rubs(own):
+        own = rubbing_one(found)
+    course, other = trial.course(name, own, rows), elsewhere(own, found)
+    return course if other is None else replace(course, otherwise=trial.course(name, other, rows))
+
+
+def nearer(one: Course, other: Course, simulated: np.ndarray, known: np.ndarray) -> bool:
+    """Whether a course is clearly nearer to a simulation (n,) in the rows known than another."""
+    off, by_other = ((c.reproduced - simulated)[known] for c in (one, other))
+    return bool(np.std(off) < np.std(by_other) / MUCH_BETTER)
 
 
 def suiting(trial: Trial, span: float, mixed: float) -> list[Found]:

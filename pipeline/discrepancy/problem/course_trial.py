@@ -28,7 +28,8 @@ class Course:
     """A simulation that is a static curve of a command, and what that goes through besides.
 
     own: a lag, creep, play or friction, or two of these. reproduced: (n,) all of it. otherwise: the
-    same with friction at the other of its places, the drive and the joint.
+    same with friction at the other of its places, the drive and the joint. cornered: whether the
+    command turned between samples.
     """
 
     command: str
@@ -36,6 +37,7 @@ class Course:
     own: OwnCourse
     reproduced: np.ndarray
     otherwise: "Course | None" = None
+    cornered: bool = False
 
 
 def rubs(own: OwnCourse) -> bool:
@@ -111,7 +113,7 @@ class Trial:
         """The simulation ahead of what comes late, (until,)."""
         angle, time_s = self.simulated[self.until], self.time_s[self.until]
         for piece in late:
-            angle = ahead(angle, time_s, piece)
+            angle = ahead(angle, time_s, piece, self.known)
         return angle
 
     def wanted(self, own: OwnCourse) -> np.ndarray:
@@ -159,8 +161,8 @@ class Trial:
         off = self.course("", own).reproduced - self.simulated
         return float(np.sqrt(np.mean(off[self.settled] ** 2)))
 
-    def course(self, name: str, own: OwnCourse) -> Course:
-        """The course of a command of that name with some pieces, through all rows."""
+    def course(self, name: str, own: OwnCourse, rows: slice | np.ndarray = slice(None)) -> Course:
+        """The course of a command of that name with some pieces, as it is in some rows."""
         weights = np.linalg.lstsq(*self.compared(own), rcond=None)[0]
         low, high = float(self.command.min()), float(self.command.max())
         grid = np.linspace(low, high, KNOTS)
@@ -170,11 +172,11 @@ class Trial:
         if own.joint:
             reproduced = settle(reproduced, own.joint, self.motion, curve, None, {})[0]
         reproduced = through(own.sensor, reproduced, self.motion)
-        return Course(name, curve, own, reproduced)
+        return Course(name, curve, own, reproduced[rows])
 
 
-def ahead(signal: np.ndarray, time_s: np.ndarray, late: Piece) -> np.ndarray:
-    """What a signal (n,) was ahead of a lag.
+def ahead(signal: np.ndarray, time_s: np.ndarray, late: Piece, known: np.ndarray) -> np.ndarray:
+    """What a signal (n,), known in some rows, was ahead of a lag.
 
     Of a command that is held, each sample says it; else the lag's own equation, the signal's
     derivatives being those of a spline.
@@ -183,7 +185,7 @@ def ahead(signal: np.ndarray, time_s: np.ndarray, late: Piece) -> np.ndarray:
     if term.form == "whole":
         fade = np.exp(-np.diff(time_s) / values[0])
         return np.append(signal[:1], (signal[1:] - fade * signal[:-1]) / (1.0 - fade))
-    spline = CubicSpline(time_s, signal)
+    spline = CubicSpline(time_s[known], signal[known])
     if term.form == "running":
         return np.asarray(signal + values[0] * spline(time_s, 1))
     frequency, damping = values[:2]

@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from pipeline.discrepancy.problem.cornered import moved_on
 from pipeline.discrepancy.problem.course import course_of
 from pipeline.discrepancy.problem.course_trial import Course
 from pipeline.discrepancy.problem.static_misfit import static_misfit
@@ -82,6 +83,8 @@ def driven_by(
         radian=radian_in(unit, float(np.ptp(simulated[known])) if known.any() else 0.0),
         zeros={n: zero_of(u) for n, u in others.items()},
     )
+    if course is not None and course.cornered:
+        motion = moved_on(motion) or motion
     return Driven(motion, curve, drive, static, course)
 
 

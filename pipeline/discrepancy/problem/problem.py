@@ -115,7 +115,7 @@ class Problem:
         behind = self.behind(pieces)
         if behind is not None:
             return behind.trace(mechanism)
-        if any(piece.term.before_curve for piece in pieces):
+        if self.motion.corners or any(piece.term.before_curve for piece in pieces):
             return mechanism.trace(self.motion)
         return mechanism.balanced(self.nominal, self.motion)
 
@@ -125,8 +125,9 @@ class Problem:
         return Mechanism(self.curve, course=self.course).trace(self.motion).asked
 
     def by_row(self, pieces: Sequence[Piece]) -> bool:
-        """Whether the rows alone say what pieces do, without samples behind them."""
-        return self.averaged is None and self.behind(pieces) is None
+        """Whether the rows alone say what pieces do, without samples behind or between them."""
+        alone = self.averaged is None and self.motion.corners is None
+        return alone and self.behind(pieces) is None
 
     def behind(self, pieces: Sequence[Piece]) -> Picked | None:
         """The samples behind the rows that pieces have to answer on, if the rows are too few."""

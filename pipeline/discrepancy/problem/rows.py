@@ -121,9 +121,7 @@ class Picked:
 
     def trace(self, mechanism: Mechanism) -> Trace:
         """What a mechanism does in the picked rows."""
-        trace = mechanism.trace(self.motion)
-        asked, body, seen = (x[self.rows] for x in (trace.asked, trace.body, trace.seen))
-        return Trace(asked, body, seen, trace.state)
+        return mechanism.trace(self.motion).rows(self.rows)
 
 
 def turned_between(motion: Motion, rows: np.ndarray, least: float) -> np.ndarray:
