@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-STRAIGHT, MATTERS, CLEARLY = 2e-4, 1e-4, 5.0
+STRAIGHT, MATTERS, CLEARLY, MOSTLY = 2e-4, 1e-4, 5.0, 0.5
 
 
 @dataclass(frozen=True)
@@ -40,8 +40,7 @@ def corners_in(time_s: np.ndarray, signal: np.ndarray) -> tuple[np.ndarray, np.n
     """Moments [s] and values of a signal's (n,) corners between two samples, (k,) each.
 
     There the lines through the two samples before and the two after meet, and the next one on each
-    side is on them. A signal that bends all the time has none, nor one that is held from sample to
-    sample.
+    side is on them. What mostly bends has none, nor what is held from sample to sample.
     """
     span = float(np.ptp(signal))
     if len(signal) < 6 or span == 0.0:
@@ -54,10 +53,13 @@ def corners_in(time_s: np.ndarray, signal: np.ndarray) -> tuple[np.ndarray, np.n
     with np.errstate(divide="ignore", invalid="ignore"):
         late = (rise - after * gap) / bend
         out = np.abs(before * late - rise * late / gap)
-    bent = np.maximum(off_before, off_after)
-    meet = (late > 0.0) & (late < gap) & (out > np.maximum(MATTERS * span, CLEARLY * bent))
-    found = meet & (bent < STRAIGHT * span)
-    return (time_s[i] + late)[found], (signal[i] + before * late)[found]
+    straight = np.maximum(off_before, off_after) < STRAIGHT * span
+    if np.mean(straight) < MOSTLY:
+        return np.zeros(0), np.zeros(0)
+    least = np.maximum(MATTERS * span, CLEARLY * np.maximum(off_before, off_after))
+    found = straight & (late > 0.0) & (late < gap) & (out > least)
+    late, i = late[found], i[found]
+    return time_s[i] + late, signal[i] + before[found] * late
 
 
 def between(

@@ -42,6 +42,12 @@ def notes(
             f"{problem.around.drive_unit}, and the measurement does not go in such steps: the "
             "smoothest motion within half a count drives the terms."
         )
+    if problem.motion.corners is not None:
+        out.append(
+            f"The commands turned, set out or stopped {len(problem.motion.corners.time_s)} times "
+            "between two samples. What remembers its way was followed to where their straight lines "
+            "meet, which explains better what was measured or simulated."
+        )
     out += course_note(problem)
     if problem.own:
         unit = problem.around.angle_unit
