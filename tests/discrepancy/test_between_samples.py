@@ -1,6 +1,6 @@
 """Commands that turn between two samples: what follows them has been farther than a sample says."""
 
-from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -27,7 +27,7 @@ def rested_triangle(time_s: np.ndarray) -> np.ndarray:
 def late(drive: np.ndarray) -> np.ndarray:
     """What follows a drive by small steps, exactly of each straight way between two of them."""
     fade, out = np.exp(-FINE_S / LATE_S), [drive[0]]
-    for before, asked in zip(drive, drive[1:], strict=False):
+    for before, asked in pairwise(drive):
         speed = (asked - before) / FINE_S
         steady = out[-1] - before + speed * LATE_S
         out.append(asked - speed * LATE_S + fade * steady)
@@ -73,9 +73,9 @@ def test_commands_that_are_held_until_the_next_sample_did_not_turn_between():
 
 def test_a_simulation_that_comes_late_behind_them_is_taken_apart(moving):
     found = course_of({"motor": DRIVE}, TIME_S, LATE)
-    assert found is not None and found.cornered
+    assert found is not None
+    assert found.cornered
     assert found.own.pieces[0].values[0] == pytest.approx(LATE_S, rel=0.01)
     np.testing.assert_allclose(found.reproduced, LATE, atol=0.02)
-    slipped = replace(moving, samples=moving.samples.copy())
-    slipped = changed(slipped, **{SIMULATED: LATE - 1.0 * (TIME_S > 0.3 * TIME_S[-1])})
-    assert names(diagnosed(slipped)) == {"lost_steps"}
+    slipped = np.where(np.arange(len(LATE)) < len(LATE) // 3, LATE, LATE - 1.0)
+    assert names(diagnosed(changed(moving, **{SIMULATED: slipped}))) == {"lost_steps"}

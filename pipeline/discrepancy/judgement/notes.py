@@ -45,8 +45,8 @@ def notes(
     if problem.motion.corners is not None:
         out.append(
             f"The commands turned, set out or stopped {len(problem.motion.corners.time_s)} times "
-            "between two samples. What remembers its way was followed to where their straight lines "
-            "meet, which explains better what was measured or simulated."
+            "between two samples. What remembers its way was followed to where their straight "
+            "lines meet, which explains better what was measured or simulated."
         )
     out += course_note(problem)
     if problem.own:
