@@ -25,6 +25,7 @@ from pipeline.physics.term import Parameter, Surroundings
 
 LEAST_REACH = 1e-6
 REACHES = (5e-6, 5e-5, 3e-4, 2e-3, 0.01, 0.03, 0.1, 0.3)
+DRY, YIELDING = 0.25, 1.0
 ONSETS = (1e-3, 4e-3, 0.015, 0.06)
 DASHPOTS = (0.015, 0.06, 0.2, 0.5)
 SPREAD, EVEN_SPREAD = (Parameter("spread", "", 0.0, most, 0.7, 0.0) for most in (WIDEST, 1.0))
@@ -47,10 +48,10 @@ def reach_of(around: Surroundings) -> Parameter:
                      relative=True)  # fmt: skip
 
 
-def onset_of(around: Surroundings, most: float = 0.5) -> Parameter:
+def onset_of(around: Surroundings, most: float = DRY) -> Parameter:
     """The speed from which on a dry contact without pre-sliding resists in full.
 
-    most: share of the top speed that it may be.
+    most: share of the top speed that it may be: what goes on growing far beyond is no dry contact.
     """
     top = max(around.top_speed, 1e-12)
     return Parameter("onset", f"{around.drive_unit}/s", 1e-5 * top, most * top, 0.01 * top, 0.0,
@@ -124,7 +125,7 @@ class CoulombFriction(ForceTerm):
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
         force = resistance("force", around.angle_unit, 2.0 * around.angle_span, around)
-        onset = onset_of(around, 1.0 if "dashpot" in self.form else 0.5)
+        onset = onset_of(around, YIELDING if "dashpot" in self.form else DRY)
         spread = EVEN_SPREAD if "even" in self.form else SPREAD
         every = (force, onset, reach_of(around), ASYMMETRY, spread, *SHAPES, *load_of(around))
         return tuple(p for p in every if p.name in self._names)
