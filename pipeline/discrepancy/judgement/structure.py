@@ -23,6 +23,7 @@ from pipeline.discrepancy.judgement.rest import (
     structured_rest,
     two_valued,
 )
+from pipeline.discrepancy.judgement.sticking import sticks
 from pipeline.discrepancy.judgement.swinging import swings
 from pipeline.discrepancy.noise.family import WALKS, Place
 from pipeline.discrepancy.noise.learning import FINEST
@@ -42,7 +43,7 @@ RINGS = "samples far off after steps of other lengths than the rest: it rings th
 SWINGS = "samples far off to one side and the other by turns: it swings there"
 RECURS = "swings that go on from sample to sample, as noise does not"
 MOST_OF_REST, FEWEST_PERIODS = 0.5, 8.0
-JERKY, JERKS = 4.4, "jerks, each time elsewhere: it sticks and slips"
+JERKY, STICKY, JERKS = 4.4, 12.0, "jerks, each time elsewhere: it sticks and slips"
 HOLDS = "samples that stay where the one before was as long as it is near: it is held, and lets go"
 
 
@@ -256,17 +257,23 @@ def jerking(explanation: Explanation, choice: Choice) -> Sign | None:
 
     Its steps are skewed along the way that the drive goes, as those of noise are to neither side.
     A sum of cubes over the root of that of their squares, by chance JERKY once in 100,000 times,
-    seldomer where each error is in two steps.
+    seldomer where each error is in two steps. Or some of them go nowhere, which a sensor that reads
+    in levels shows of everything.
     """
-    problem = explanation.problem
+    problem, predicted = explanation.problem, choice.fit.predicted
     if problem.derivatives is not None:
         return None
-    off = np.where(explanation.used, problem.measured - choice.fit.predicted, np.nan)
+    off = np.where(explanation.used, problem.measured - predicted, np.nan)
     drive, way = problem.motion.drive, branch_of(problem.motion.drive)
-    along = (np.diff(drive) != 0.0) & (way[1:] == way[:-1])
-    steps = (np.diff(off) * way[1:])[along & np.isfinite(np.diff(off))]
+    along = (np.diff(drive) != 0.0) & (way[1:] == way[:-1]) & np.isfinite(np.diff(off))
+    steps = (np.diff(off) * way[1:])[along]
     cubes = (steps - steps.sum() / max(len(steps), 1)) ** 3
     skewed = abs(float(np.sum(cubes))) > JERKY * float(np.sqrt(np.sum(cubes**2)))
+    if not skewed and problem.levels is None:
+        asked = np.diff(predicted)[along]
+        goes = asked != 0.0
+        errors = (np.diff(off)[along] * np.sign(asked))[goes]
+        skewed = sticks(errors, np.abs(asked[goes]))[0] > STICKY
     return Sign(JERKS, choice.fit.ground.noise.deviation, CHANCE) if skewed else None
 
 
