@@ -45,6 +45,8 @@ RECURS = "swings that go on from sample to sample, as noise does not"
 MOST_OF_REST, FEWEST_PERIODS = 0.5, 8.0
 JERKY, STICKY, JERKS = 4.4, 12.0, "jerks, each time elsewhere: it sticks and slips"
 HOLDS = "samples that stay where the one before was as long as it is near: it is held, and lets go"
+TWO_ZEROS = "two zeros by turns"
+NO_FORM = frozenset((SWINGS, JERKS, HOLDS, TWO_ZEROS))  # what terms of a wrong form don't leave
 
 
 @dataclass(frozen=True)
@@ -199,7 +201,7 @@ def of_repeats(explanation: Explanation, choice: Choice) -> Sign | None:
 def two_zeros(choice: Choice) -> Sign | None:
     """Noise with two humps."""
     if two_valued(choice.fit):
-        return Sign("two zeros by turns", choice.fit.ground.noise.deviation, CHANCE)
+        return Sign(TWO_ZEROS, choice.fit.ground.noise.deviation, CHANCE)
     return None
 
 

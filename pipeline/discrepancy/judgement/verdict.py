@@ -9,6 +9,7 @@ from pipeline.discrepancy.fitting.charge import VOID, absurd_calibration
 from pipeline.discrepancy.fitting.fit import evaluate, improve
 from pipeline.discrepancy.judgement.rest import structured_rest
 from pipeline.discrepancy.judgement.structure import (
+    NO_FORM,
     Structure,
     mismatch_variance,
     share_left,
@@ -192,10 +193,12 @@ def told_but_for_its_form(
     """The structure, which is none to be told where it is only the form of the names that stay.
 
     It is where all that is left beyond the noise is less than a twentieth of the mismatch (RMS):
-    a real wire is never quite the term. Its share and place stay.
+    a real wire is never quite the term. Its share and place stay. What swings, sticks or is at two
+    places by turns is no form of theirs.
     """
     share = max(structure.share, share_left(explanation, choice))
-    told = choice.fit.pieces and not piled(choice) and share < FORM_ERROR**2
+    small = share < FORM_ERROR**2 and structure.where not in NO_FORM
+    told = choice.fit.pieces and not piled(choice) and small
     return replace(structure, found=False, share=share) if told else structure
 
 
