@@ -9,6 +9,7 @@ from scipy.special import chdtrc
 from pipeline.discrepancy.fitting.charge import complexity
 from pipeline.discrepancy.fitting.fit import Fit, evaluate, improve
 from pipeline.discrepancy.judgement.cycle_zero import leaves_less, told_as_drift
+from pipeline.discrepancy.judgement.fanning import even_by_chance
 from pipeline.discrepancy.judgement.recurrence import foretold_share
 from pipeline.discrepancy.judgement.rest import curves, followed
 from pipeline.discrepancy.judgement.structure import CHANCE, SMALLEST_SIZE
@@ -31,6 +32,7 @@ SMOOTHER, SURELY_SMOOTHER = 3.0, 8.0  # log likelihood of a smooth zero over one
 LEAD = 22.0  # log likelihood of a zero over all else that may wander
 FASTEST_PACE, MOST_SETS = 12.0, 10  # per cycle
 PLAYS, PIVOTS = (0.02, 0.05, 0.1, 0.25), (-0.25, 1.25, 0.0, 0.25, 0.5, 0.75, 1.0)  # of the range
+MIDDLES, ABOUT, UNEVEN = (0.3, 0.4, 0.5, 0.6, 0.7), 0.25, 0.02
 SWINGS, SWUNG, FINELY = 4.0, 0.6, 0.2  # one period that holds so much, so often, is no drift
 ALIKE_OVER = 2.5  # over the pace: so many rows of a smooth zero say one thing of its variance
 
@@ -92,7 +94,7 @@ def wandering(explanation: Explanation, best: Choice) -> tuple[Explanation, Besi
     choices, told = [Choice(b.fit, best.place, b.score) for b in found], found[0]
     if not (may_wander(told, prior) and leaves_less(choices[0])):
         return None
-    if follows_commands(explanation, told) or not is_zero(told):
+    if follows_commands(explanation, told) or not (is_zero(told) and spreads_evenly(told)):
         return None
     return replace(explanation, choices=choices, zero=told.course), told
 
@@ -186,11 +188,18 @@ def is_zero(found: Beside) -> bool:
     """Whether a zero is surely likelier to wander than a gain or play.
 
     The gain about any pivot, also a quarter of the range beyond it, which moves one end five times
-    as far as the other.
+    as far as the other; or to either side of one, as far everywhere or the less the nearer.
     """
     least = found.log_likelihood - LEAD
     others = carriers(found.fit.ground.problem.motion.drive)
     return all(beside(found.fit, c).log_likelihood < least for c in others)
+
+
+def spreads_evenly(found: Beside) -> bool:
+    """Whether what is left varies alike wherever the drive is, as far as chance can tell."""
+    ground = found.fit.ground
+    left = np.where(ground.used, found.left, np.nan)
+    return even_by_chance(ground.problem.motion.drive, left) > UNEVEN
 
 
 def swing_of(found: Beside) -> str | None:
@@ -220,6 +229,8 @@ def carriers(drive: np.ndarray) -> Iterator[np.ndarray]:
     yield np.abs(place - 0.5)
     for pivot in PIVOTS:
         yield place - pivot
+    for middle in MIDDLES:
+        yield np.tanh((place - middle) / ABOUT)
     for width in PLAYS:
         yield direction(place, width)
 
