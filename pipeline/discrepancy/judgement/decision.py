@@ -29,6 +29,7 @@ from pipeline.discrepancy.judgement.verdict import (
     beside_a_rest,
     fewer,
     follows,
+    leaves_much,
     sure_of_slow,
     told_but_for_its_form,
     unless_nothing,
@@ -199,7 +200,8 @@ def without_repeats(
 
     A small rest is the form of the names before any of them goes; held-out rows that refute the
     names as they are do so whatever is left. As many names as a search takes that leave a rest
-    foretell later rows, too: they follow the shape of something else.
+    foretell later rows, too: they follow the shape of something else, and so do several names that
+    leave much of the mismatch.
     """
     if structure.found and sound:
         structure = told_but_for_its_form(explanation, best, structure)
@@ -209,5 +211,5 @@ def without_repeats(
             structure = told_but_for_its_form(explanation, best, structure)
     rest = structure.share * mismatch_variance(explanation)
     kept = foretold_part(explanation.choices, best, rest) if structure.found else best
-    mops_up = structure.found and piled(kept)
+    mops_up = structure.found and (piled(kept) or leaves_much(explanation, kept))
     return beside_a_rest(explanation, kept, rest) if mops_up else kept, structure

@@ -187,6 +187,14 @@ def one_at_most(explanation: Explanation, choice: Choice) -> Choice:
     return single if enough and rest_of(single, explanation) ** 2 < MOST_LEFT * before else base
 
 
+def leaves_much(explanation: Explanation, choice: Choice) -> bool:
+    """Whether several names leave more than one alone might (`one_at_most`), shared among them."""
+    base = next(c for c in explanation.choices if not c.fit.pieces)
+    noise = explanation.prior.model.deviation**2
+    left, before = (mean_square(explanation, c) - noise for c in (choice, base))
+    return len(names(choice)) > 1 and left * len(names(choice)) > (1.0 - ENOUGH) * before
+
+
 def told_but_for_its_form(
     explanation: Explanation, choice: Choice, structure: Structure
 ) -> Structure:
