@@ -48,6 +48,10 @@ def test_noise_that_has_no_side_is_not_stuck(noise, seed):
     assert sticks(noise(rng), rng.uniform(0.5, 1.5, COUNT))[0] < 10.0
 
 
+def test_few_steps_say_nothing():
+    assert sticks(np.zeros(0), np.zeros(0)) == (0.0, 0.0)
+
+
 def test_a_joint_that_slips_from_rest_to_rest_has_play_and_more():
     recording = recorded({}, noise=0.1)
     rng = np.random.default_rng(11)

@@ -3,7 +3,7 @@
 import numpy as np
 
 ROUNDS, FIRST_SHARE, NARROWEST = 40, 0.3, 0.05
-LEAST_SHARE = 0.05
+LEAST_SHARE, FEWEST = 0.05, 50
 
 
 def sticks(errors: np.ndarray, ways: np.ndarray) -> tuple[float, float]:
