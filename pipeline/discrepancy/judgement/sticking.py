@@ -12,8 +12,8 @@ def sticks(errors: np.ndarray, ways: np.ndarray) -> tuple[float, float]:
     ways: how far each step should go, > 0, (k,). errors: how much farther it went, (k,). What
     sticks goes nowhere: some errors lie about minus their way, the others anywhere. Noise whose
     distribution has no side has as many about plus their way (mirrored), or about none. Two normal
-    distributions each (EM: Dempster, Laird and Rubin, J. R. Stat. Soc. B 39 (1977) 1). 0.0 of FEWEST
-    steps or fewer.
+    distributions each (EM: Dempster, Laird and Rubin, J. R. Stat. Soc. B 39 (1977) 1). 0.0 of
+    FEWEST steps or fewer.
     """
     if len(errors) <= FEWEST:
         return 0.0, 0.0
