@@ -1,5 +1,7 @@
 """Frame lag: the frame shows an earlier pose."""
 
+from typing import ClassVar
+
 import numpy as np
 
 from pipeline.number_words import worded
@@ -32,12 +34,14 @@ class FrameLag(Term):
     remembers = "time"
     group = "lag"
     timed = True
+    grows: ClassVar = {"time": ("held",), "frames": ("held",)}
     means = "the frame shows an earlier pose"
     says = "The camera's frame is old: it shows the pose of {lag} before."
 
     def __init__(self, form: str = "time") -> None:
         self.form = form
         self.before_curve = form == AT_DRIVE
+        self.own_law = self.far_apart = form == "held"  # old moves, half over after some waits
         self.place = 0.0 if self.before_curve else FrameLag.place
 
     @property
