@@ -5,6 +5,7 @@ import numpy as np
 from pipeline.discrepancy.fitting.fit import evaluate, improve
 from pipeline.discrepancy.search.choose import extended
 from pipeline.discrepancy.search.coasted import coasted
+from pipeline.discrepancy.search.crept import crept
 from pipeline.discrepancy.search.elsewhere import Key, freed
 from pipeline.discrepancy.search.exchange import exchanged
 from pipeline.discrepancy.search.flanked import flanked
@@ -35,7 +36,7 @@ from pipeline.physics.friction import Friction
 WORTH, ROUNDS = 150.0, 6
 MOVES = (
     unpromised, unshifted, stepped, recurved, played, coasted, stopping, rubbed, twofold, lined,
-    parted, queued, one_damper, one_late, flanked, redrawn,
+    parted, crept, queued, one_damper, one_late, flanked, redrawn,
 )  # fmt: skip
 Tried = dict[Key, tuple[float, float]]
 
