@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from pipeline.config import DiagnosisConfig, SimulationConfig
+from pipeline.discrepancy.search.force_zero import in_order
 from pipeline.stages.diagnosis import diagnose
 from pipeline.stages.simulation import simulate
 from tests.discrepancy.test_force import RATE, recording
@@ -48,6 +49,29 @@ def test_a_zero_that_rises_is_a_drift_all_the_same():
     rising = np.linspace(0.0, 6.0 * NOISE, len(x))
     force = 4.0 * v / np.std(v) + rising + correlated(rng, len(x), 0.55)
     assert told(x, force) == ({"viscous_friction", "drift"}, "explained")
+
+
+@pytest.mark.parametrize("late_s", [0.5, 1.5])
+def test_a_zero_that_settles_from_far_off_is_a_drift_and_no_calibration_error(late_s):
+    rng = np.random.default_rng(3)
+    x, v = paced(7, 180)
+    settling = -60.0 * NOISE * np.exp(-np.arange(len(x)) / RATE / late_s)
+    settling -= settling.mean()
+    force = 40.0 * v / np.std(v) + settling + correlated(rng, len(x), 0.0)
+    seen = simulate(SimulationConfig("mechanism"), recording(x, force))
+    (found,) = diagnose(DiagnosisConfig(), seen).diagnoses
+    assert {p.name for p in found.physics} == {"viscous_friction", "drift"}
+    assert not any("more than 5 tolerances off" in note for note in found.notes)
+
+
+def test_zeros_in_their_order_are_told_from_independent_ones():
+    cycle = np.repeat(np.arange(12), 50)
+    rng = np.random.default_rng(2)
+    ones = [in_order(np.repeat(rng.standard_normal(12), 50), cycle) for _ in range(200)]
+    walks = [in_order(np.repeat(rng.standard_normal(12).cumsum(), 50), cycle) for _ in range(200)]
+    assert np.mean(ones) < 0.03
+    assert np.mean(walks) > 0.5
+    assert not in_order(np.arange(200.0), cycle[:200])
 
 
 @pytest.mark.parametrize("seed", [0, 1, 2])

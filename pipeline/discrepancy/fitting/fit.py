@@ -148,11 +148,29 @@ def calibrated(ground: Ground, pieces: Sequence[Piece], trace: Trace) -> Fit:
     data = ground.data
     if trace.added is not None:
         data = data - ground.whiten(trace.added[:, None])[:, 0]
+    expected = ground.nuisances.expected
+    if trace.added is not None:
+        expected = expected.copy()
+        expected[1] -= drifted(ground, pieces)
     nuisance, innovations, columns, cost = regressed(
-        ground.calibrating(trace), data, ground.filter, ground.precision, ground.nuisances.expected
+        ground.calibrating(trace), data, ground.filter, ground.precision, expected
     )
     cost += 2.0 * ground.log_scale + prior_cost(ground, pieces)
     return Fit(ground, tuple(pieces), nuisance, trace, cost, innovations, columns)
+
+
+def drifted(ground: Ground, pieces: Sequence[Piece]) -> float:
+    """How far what moves the zero moves it on average [measurement's unit].
+
+    The calibration of a force that drifts is about its zero on average: where it began, or comes to
+    at last, may be far from there.
+    """
+    motion, mean = ground.problem.motion, 0.0
+    for piece in pieces:
+        if piece.term.slow:
+            moved = piece.term.respond(np.zeros(len(motion)), motion, piece.values, None)[0]
+            mean += float(np.mean(moved[ground.used]))
+    return mean
 
 
 def prior_cost(ground: Ground, pieces: Sequence[Piece]) -> float:

@@ -6,7 +6,7 @@ import numpy as np
 
 from pipeline.discrepancy.fitting.calibration import FAR_OFF
 from pipeline.discrepancy.fitting.charge import VOID, absurd_calibration
-from pipeline.discrepancy.fitting.fit import evaluate, improve
+from pipeline.discrepancy.fitting.fit import drifted, evaluate, improve
 from pipeline.discrepancy.judgement.rest import structured_rest
 from pipeline.discrepancy.judgement.structure import (
     NO_FORM,
@@ -31,10 +31,15 @@ USUAL_WALK, USUAL_JITTER = 3, 4  # places: 0.017 of the noise from row to row; 0
 
 
 def intolerable(choice: Choice) -> bool:
-    """Whether gain or offset is off by more than FAR_OFF of its declared tolerances."""
-    tolerance = choice.fit.ground.problem.tolerance
-    gain = abs(choice.fit.nuisance[0] - 1.0)
-    offset = abs(choice.fit.ground.nuisances.offset(choice.fit.nuisance))
+    """Whether gain or offset is off by more than FAR_OFF of its declared tolerances.
+
+    The offset of a force that drifts is that of its zero on average.
+    """
+    fit, tolerance = choice.fit, choice.fit.ground.problem.tolerance
+    gain, offset = abs(fit.nuisance[0] - 1.0), fit.ground.nuisances.offset(fit.nuisance)
+    if fit.trace.added is not None:
+        offset += drifted(fit.ground, fit.pieces)
+    offset = abs(offset)
     return bool(gain > FAR_OFF * tolerance.gain or offset > FAR_OFF * tolerance.offset)
 
 
