@@ -17,6 +17,7 @@ from pipeline.discrepancy.judgement.structure import (
 )
 from pipeline.discrepancy.noise.family import usual_charge
 from pipeline.discrepancy.search.explain import Explanation
+from pipeline.discrepancy.search.growth import grown
 from pipeline.discrepancy.search.pressed import plainer
 from pipeline.discrepancy.search.weighing import Choice, names, piled, wanders
 from pipeline.physics.drift import Drift
@@ -149,12 +150,15 @@ def fewer(explanation: Explanation, choice: Choice, structure: Structure) -> Cho
     Where that rest is less than a twentieth of the mismatch (RMS), all names stay that explain more
     than they leave together: then it is the form of a term, but not of as many as a search takes.
     So do those that each explain four times what they leave together, or, of as many names as a
-    search takes that leave more than the noise, eight times.
+    search takes that leave more than the noise, eight times. A force's terms take the forms that
+    suit them once others are gone.
     """
     if not choice.fit.pieces:
         return choice
     if explanation.problem.motion.kinetics is not None:
         kept = weightier(explanation, choice, structured_square(explanation, choice))
+        if kept is not choice:
+            kept = grown(explanation.search, kept)
         return plainer(explanation.search, kept)
     base = next(c for c in explanation.choices if not c.fit.pieces)
     noise = explanation.prior.model.deviation**2
