@@ -60,11 +60,10 @@ def otherwise_moved(problem: Problem, explanation: Explanation) -> Problem | Non
     """The problem with its commands turning between samples, where that may explain more."""
     if problem.motion.corners is not None or not unclear(explanation):
         return None
-    motion = moved_on(problem.motion)
-    other = None if motion is None else replace(problem, motion=motion)
-    if other is None or not promising(other, explanation, lambda term: bool(term.remembers)):
+    other = replace(problem, motion=moved_on(problem.motion))
+    if other.motion.corners is None:
         return None
-    return other
+    return other if promising(other, explanation, lambda term: bool(term.remembers)) else None
 
 
 def promising(other: Problem, explanation: Explanation, concerned: Callable[[Term], bool]) -> bool:

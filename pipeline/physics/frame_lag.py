@@ -41,7 +41,7 @@ class FrameLag(Term):
     def __init__(self, form: str = "time") -> None:
         self.form = form
         self.before_curve = form == AT_DRIVE
-        self.own_law = self.far_apart = form == "held"  # old moves, half over after some waits
+        self.own_law = self.far_apart = form == "held"  # a plain lag says little of it
         self.place = 0.0 if self.before_curve else FrameLag.place
 
     @property

@@ -60,7 +60,7 @@ def motion_for(
         radian=model.radian,
         zeros=model.zeros,
     )
-    return moved_on(motion) or motion if model.cornered else motion
+    return moved_on(motion) if model.cornered else motion
 
 
 def _simulated(model: CorrectedModel, recording: Recording) -> np.ndarray:

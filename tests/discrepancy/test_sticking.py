@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from pipeline.discrepancy.judgement.sticking import sticks
-from pipeline.discrepancy.judgement.structure import JERKS
+from pipeline.discrepancy.judgement.structure import JERKS, STICKY
 from tests.discrepancy.made import ANGLE, changed, diagnosed, recorded
 
 COUNT = 1200
@@ -28,7 +28,7 @@ def test_steps_that_go_nowhere_are_told_from_noise(noise):
     asked = np.cumsum(way)
     errors = np.diff(slipped(asked, rng, 4.0) - asked, prepend=0.0)
     more, share = sticks(errors + noise * rng.standard_normal(COUNT), way)
-    assert more > 20.0
+    assert more > STICKY
     assert 0.1 < share < 0.7
 
 
@@ -45,7 +45,7 @@ def test_steps_that_go_nowhere_are_told_from_noise(noise):
 @pytest.mark.parametrize("seed", range(5))
 def test_noise_that_has_no_side_is_not_stuck(noise, seed):
     rng = np.random.default_rng(seed)
-    assert sticks(noise(rng), rng.uniform(0.5, 1.5, COUNT))[0] < 10.0
+    assert sticks(noise(rng), rng.uniform(0.5, 1.5, COUNT))[0] < 0.5 * STICKY
 
 
 def test_few_steps_say_nothing():

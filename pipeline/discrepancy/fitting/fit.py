@@ -94,7 +94,7 @@ class Fit:
         prior = np.hstack([held, np.zeros((len(held), self.free))])
         columns = np.vstack([np.hstack([self.calibrating, self.slopes]), prior])
         basis = np.linalg.qr(columns)[0]
-        off = held @ (self.ground.nuisances.expected - self.nuisance)
+        off = held @ (expected_of(self.ground, self.pieces) - self.nuisance)
         return basis[:count], self.innovations @ basis[:count] + off @ basis[count:]
 
     @cached_property
@@ -148,10 +148,7 @@ def calibrated(ground: Ground, pieces: Sequence[Piece], trace: Trace) -> Fit:
     data = ground.data
     if trace.added is not None:
         data = data - ground.whiten(trace.added[:, None])[:, 0]
-    expected = ground.nuisances.expected
-    if trace.added is not None:
-        expected = expected.copy()
-        expected[1] -= drifted(ground, pieces)
+    expected = expected_of(ground, pieces)
     nuisance, innovations, columns, cost = regressed(
         ground.calibrating(trace), data, ground.filter, ground.precision, expected
     )
@@ -159,13 +156,21 @@ def calibrated(ground: Ground, pieces: Sequence[Piece], trace: Trace) -> Fit:
     return Fit(ground, tuple(pieces), nuisance, trace, cost, innovations, columns)
 
 
-def drifted(ground: Ground, pieces: Sequence[Piece]) -> float:
-    """How far what moves the zero moves it on average [measurement's unit].
+def expected_of(ground: Ground, pieces: Sequence[Piece]) -> np.ndarray:
+    """Prior means of gain, offset and bends, (m,): the offset is about a zero on average."""
+    expected = ground.nuisances.expected.copy()
+    expected[1] -= drifted(ground, pieces)
+    return expected
 
-    The calibration of a force that drifts is about its zero on average: where it began, or comes to
-    at last, may be far from there.
+
+def drifted(ground: Ground, pieces: Sequence[Piece]) -> float:
+    """How far a force's zero is moved on average [measurement's unit]; 0.0 of an angle's.
+
+    Where a force's zero began, or comes to at last, may be many tolerances from there.
     """
     motion, mean = ground.problem.motion, 0.0
+    if motion.kinetics is None:
+        return mean
     for piece in pieces:
         if piece.term.slow:
             moved = piece.term.respond(np.zeros(len(motion)), motion, piece.values, None)[0]

@@ -97,6 +97,7 @@ def structure_of(explanation: Explanation, choice: Choice) -> Structure:
         or ringing(explanation, choice)
         or humming(explanation, choice)
         or jerking(explanation, choice)
+        or sticking(explanation, choice)
         or holding(explanation, choice)
         or recurring(explanation, choice)
         or coming_again(again, choice)
@@ -259,24 +260,37 @@ def jerking(explanation: Explanation, choice: Choice) -> Sign | None:
 
     Its steps are skewed along the way that the drive goes, as those of noise are to neither side.
     A sum of cubes over the root of that of their squares, by chance JERKY once in 100,000 times,
-    seldomer where each error is in two steps. Or some of them go nowhere, which a sensor that reads
-    in levels shows of everything.
+    seldomer where each error is in two steps.
     """
-    problem, predicted = explanation.problem, choice.fit.predicted
-    if problem.derivatives is not None:
+    if explanation.problem.derivatives is not None:
         return None
-    off = np.where(explanation.used, problem.measured - predicted, np.nan)
-    drive, way = problem.motion.drive, branch_of(problem.motion.drive)
-    along = (np.diff(drive) != 0.0) & (way[1:] == way[:-1]) & np.isfinite(np.diff(off))
-    steps = (np.diff(off) * way[1:])[along]
+    errors, along = errors_along(explanation, choice)
+    steps = (errors * branch_of(explanation.problem.motion.drive)[1:])[along]
     cubes = (steps - steps.sum() / max(len(steps), 1)) ** 3
     skewed = abs(float(np.sum(cubes))) > JERKY * float(np.sqrt(np.sum(cubes**2)))
-    if not skewed and problem.levels is None:
-        asked = np.diff(predicted)[along]
-        goes = asked != 0.0
-        errors = (np.diff(off)[along] * np.sign(asked))[goes]
-        skewed = sticks(errors, np.abs(asked[goes]))[0] > STICKY
     return Sign(JERKS, choice.fit.ground.noise.deviation, CHANCE) if skewed else None
+
+
+def sticking(explanation: Explanation, choice: Choice) -> Sign | None:
+    """The same of leaps that are as even as noise: some steps go nowhere.
+
+    A sensor that reads in levels shows that of everything: of such a one nothing is said.
+    """
+    if explanation.problem.derivatives is not None or explanation.problem.levels is not None:
+        return None
+    errors, along = errors_along(explanation, choice)
+    asked = np.diff(choice.fit.predicted)
+    along &= asked != 0.0
+    more, _ = sticks((errors * np.sign(asked))[along], np.abs(asked[along]))
+    return Sign(JERKS, choice.fit.ground.noise.deviation, CHANCE) if more > STICKY else None
+
+
+def errors_along(explanation: Explanation, choice: Choice) -> tuple[np.ndarray, np.ndarray]:
+    """How a residual changes from row to row, and where the drive goes on, (n - 1,) each."""
+    problem, drive = explanation.problem, explanation.problem.motion.drive
+    way = branch_of(drive)
+    errors = np.diff(np.where(explanation.used, problem.measured - choice.fit.predicted, np.nan))
+    return errors, (np.diff(drive) != 0.0) & (way[1:] == way[:-1]) & np.isfinite(errors)
 
 
 def holding(explanation: Explanation, choice: Choice) -> Sign | None:

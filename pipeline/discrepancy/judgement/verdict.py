@@ -37,10 +37,8 @@ def intolerable(choice: Choice) -> bool:
     The offset of a force that drifts is that of its zero on average.
     """
     fit, tolerance = choice.fit, choice.fit.ground.problem.tolerance
-    gain, offset = abs(fit.nuisance[0] - 1.0), fit.ground.nuisances.offset(fit.nuisance)
-    if fit.trace.added is not None:
-        offset += drifted(fit.ground, fit.pieces)
-    offset = abs(offset)
+    gain = abs(fit.nuisance[0] - 1.0)
+    offset = abs(fit.ground.nuisances.offset(fit.nuisance) + drifted(fit.ground, fit.pieces))
     return bool(gain > FAR_OFF * tolerance.gain or offset > FAR_OFF * tolerance.offset)
 
 

@@ -41,7 +41,7 @@ def course_of(
         motion = Motion(command, time_s, np.zeros(len(command), dtype=np.int64), others)
         course = course_on(name, motion, simulated, known)
         cornered = moved_on(motion)
-        if cornered is not None:
+        if cornered.corners is not None:
             other = course_on(name, cornered, simulated, known)
             if other is not None and (course is None or nearer(other, course, simulated, known)):
                 course = replace(other, cornered=True)

@@ -84,7 +84,7 @@ def driven_by(
         zeros={n: zero_of(u) for n, u in others.items()},
     )
     if course is not None and course.cornered:
-        motion = moved_on(motion) or motion
+        motion = moved_on(motion)
     return Driven(motion, curve, drive, static, course)
 
 
