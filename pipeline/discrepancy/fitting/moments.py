@@ -7,6 +7,7 @@ from pipeline.physics.piece import Piece
 
 STRIDES = (4, 1)
 TRIED = 6
+LAST_UNSEEN = 12
 
 
 def settle_moments(fit: Fit) -> Fit:
@@ -16,7 +17,32 @@ def settle_moments(fit: Fit) -> Fit:
             times = moments(fit)
             for stride in STRIDES:
                 fit = moved_on(fit, i, j, times, stride)
+            fit = moved_unseen(fit, i, j)
     return in_order(fit)
+
+
+def moved_unseen(fit: Fit, place: int, parameter: int) -> Fit:
+    """The fit with a moment among the LAST_UNSEEN rows not fitted that end nearby, if better.
+
+    What comes late or remembers its way still tells there how long before the first row fitted it
+    was; what does neither, fits as well anywhere among them.
+    """
+    used, time_s = fit.ground.used, fit.ground.problem.motion.time_s
+    ends = np.flatnonzero(used[1:] & ~used[:-1]) + 1
+    at = int(np.searchsorted(time_s, fit.pieces[place].values[parameter]))
+    rows = np.flatnonzero(used)
+    own = np.searchsorted(rows, at)
+    ends = ends[np.abs(np.searchsorted(rows, ends) - own) <= TRIED]
+    if not len(ends):
+        return fit
+    trials = [
+        moved(fit, place, parameter, 0.5 * (time_s[k] + time_s[k - 1]))
+        for end in ends
+        for k in range(end, max(end - LAST_UNSEEN, 0), -1)
+        if not used[k - 1]
+    ]
+    best = min(trials, key=lambda t: t.cost)
+    return improve(best, 3) if best.cost < fit.cost else fit
 
 
 def moved_on(fit: Fit, place: int, parameter: int, times_s: np.ndarray, stride: int) -> Fit:
