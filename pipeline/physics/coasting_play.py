@@ -110,6 +110,10 @@ class CoastingPlay(DrivePlay):
             out, last = coasted(asked, dwell, 0.5 * width, drag, fading, state[1:])
         return out, np.concatenate([motion.time_s[-1:], last])
 
+    def other_names(self, values: np.ndarray, around: Surroundings) -> tuple[str, ...]:
+        """None: what runs on by itself in its gap, no wire pulls there."""
+        return ()
+
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
         widths = self.widths(around)
         drags = usual_drag(around) * np.array([0.1, 1.0, 10.0])

@@ -279,7 +279,7 @@ class Term:
         return self.also
 
     def other_names(self, values: np.ndarray, around: Surroundings) -> tuple[str, ...]:
-        """Names that the catalogue has for the same thing where something else is measured."""
+        """Names that no motion tells from its own, or where something else is measured."""
         return ()
 
     def beyond_at(self, values: np.ndarray, around: Surroundings) -> str:

@@ -22,6 +22,8 @@ from pipeline.discrepancy.judgement.smooth_wander import (
 )
 from pipeline.discrepancy.noise.noise import NoiseModel
 from pipeline.discrepancy.search.explain import Explanation
+from pipeline.physics.catalogue import term
+from pipeline.physics.piece import Piece
 from pipeline.recording import Recording
 from tests.discrepancy.made import (
     ANGLE,
@@ -210,6 +212,13 @@ def test_a_smooth_change_that_is_no_zero_is_structure_where_a_walk_would_take_it
     told = decision.decided(explanation.problem, explanation)
     assert told.structure.found
     assert told.structure.where == decision.SMOOTHLY
+    best = explanation.choices[0]
+    slight = Piece(term("camera_tilt"), np.array([0.2, 0.8]))
+    more = replace(best, fit=evaluate(best.fit.ground, (*best.fit.pieces, slight)))
+    for choice in (best, more):
+        decided = decision.decided_on(explanation.problem, explanation, choice)
+        assert decided.structure.where == decision.SMOOTHLY
+        assert decided.choice.fit.names == ("backlash",)
 
 
 @pytest.mark.parametrize(("cycles_a_swing", "drifts"), [(1.37, False), (6.4, True)])

@@ -41,7 +41,7 @@ def test_friction_sharper_than_a_step_may_be_what_looks_like_play(ground, score,
     finer = chosen(ground, score, friction=[1.4, 0.08, 0.0])
     assert plainly(finer.fit) == ["backlash"]
     found = standing("backlash", play, [play, finer], ground.problem)
-    assert ("friction" in found.alternatives) == said
+    assert (found.alternatives[0] == "friction") == said
     assert found.tied == (score < 0.0)
 
 
@@ -107,9 +107,15 @@ def test_what_another_name_tells_as_well_is_listed_and_ties(ground, name, form, 
     assert found.tied
 
 
-def test_play_of_one_width_is_no_friction(ground):
+def test_dry_friction_at_what_a_wire_pulls_is_another_name_of_play_and_no_tie(ground):
     play = chosen(ground, 0.0, backlash=[2.0])
-    assert "friction" not in standing("backlash", play, [play], ground.problem).alternatives
+    found = standing("backlash", play, [play], ground.problem)
+    assert found.alternatives[-1] == "friction"
+    assert not found.tied
+    coasting = Piece(term("backlash", "coasting"), np.array([2.0, 0.1, 0.0]))
+    runs_on = Choice(evaluate(ground, [coasting]), (0, 0, 0), 0.0)
+    told = standing("backlash", runs_on, [runs_on], ground.problem)
+    assert "friction" not in told.alternatives
 
 
 def test_what_touches_on_both_sides_may_as_well_be_soft(ground):

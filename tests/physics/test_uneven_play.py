@@ -5,7 +5,7 @@ import pytest
 
 from pipeline.physics.motion import Motion
 from pipeline.physics.play_operator import play, varying_play
-from pipeline.physics.uneven_play import FORMS, TAPERED, WORN, UnevenPlay
+from pipeline.physics.uneven_play import FORMS, OPENING, TAPERED, WORN, UnevenPlay
 from tests.discrepancy.made import diagnosed, names
 from tests.discrepancy.test_beyond import moved, recorded
 
@@ -40,7 +40,10 @@ def test_teeth_worn_round_a_place_lose_the_more_the_nearer_to_it_they_are():
     assert lost[far_off] == pytest.approx(-3.0 * 0.4, abs=0.01)
 
 
-@pytest.mark.parametrize(("form", "even"), [(TAPERED, [0.0, 0.0, 60.0]), (WORN, [1.0, 0.0, 9.0])])
+EVEN = [(TAPERED, [0.0, 0.0, 60.0]), (WORN, [1.0, 0.0, 9.0]), (OPENING, [0.0, 5.0, 9.0])]
+
+
+@pytest.mark.parametrize(("form", "even"), EVEN)
 def test_where_nothing_differs_it_is_plain_play(form, even):
     motion = swept()
     expected = play(motion.drive, 2.5, motion.drive[0])
@@ -59,9 +62,23 @@ def test_from_noise_it_is_play_and_its_widths_are_found(form):
     result = diagnosed(moved(varying_play(command, 0.5 * WIDTHS[form](command), command[0])))
     (found,) = result.diagnoses
     assert found.verdict == ("ambiguous" if form == "tapered" else "explained")
-    assert ("friction" in found.physics[0].alternatives) == (form == "tapered")
+    assert (found.physics[0].alternatives[0] == "friction") == (form == "tapered")
     assert names(result) == {"backlash"}
     (piece,) = [p for m in result.models for p in m.mechanism.pieces]
     assert piece.term.form == form
     asked = np.linspace(-50.0, 50.0, 11)
     np.testing.assert_allclose(piece.term.gap(asked, piece.values), WIDTHS[form](asked), atol=0.4)
+
+
+def test_play_on_one_side_is_found_in_place_of_what_mops_it_up_and_told_as_more_than_play():
+    command = recorded({}).values("pitch_command_deg")
+    gap = np.where(command > 5.0, 4.0, 0.0)
+    result = diagnosed(moved(varying_play(command, 0.5 * gap, command[0])))
+    (found,) = result.diagnoses
+    assert found.verdict == "partly_explained"
+    assert names(result) == {"backlash"}
+    (piece,) = [p for m in result.models for p in m.mechanism.pieces]
+    assert piece.term.form == OPENING
+    asked = np.array([-40.0, -10.0, 20.0, 50.0])
+    expected = [0.0, 0.0, 4.0, 4.0]
+    np.testing.assert_allclose(piece.term.gap(asked, piece.values), expected, atol=0.4)

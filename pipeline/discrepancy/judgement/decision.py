@@ -112,6 +112,9 @@ def decided_on(problem: Problem, explanation: Explanation, best: Choice) -> Deci
         structure = replace(structure, found=True, where=swing)
     if smooth and not structure.found:
         structure = replace(structure, found=True, where=SMOOTHLY)
+        if best.fit.pieces:
+            rest = share_left(explanation, best) * mismatch_variance(explanation)
+            best = beside_a_rest(explanation, best, rest)
     if not structure.found:
         return Decision(explanation, best, structure)
     share = max(structure.share, share_left(explanation, best))
