@@ -78,6 +78,7 @@ class TensionLoss(Term):
     before_curve = True
     group = "play"
     far_apart = True
+    unlikely = 3.0  # else chance would decide against play of one width
     grows: ClassVar = {
         f"{form}{ahead}": tuple(f"{richer}{ahead}" for richer in further)
         for form, further in (
