@@ -87,7 +87,7 @@ def diagnose_measurement(
         notes=(
             *(accuracy_note(explanation, best) if accurate else ()),
             *refuted_note(decision.refuted),
-            *form_note(formal),
+            *form_note(formal, best),
             *without_name(best),
             *notes(problem, explanation, best, evidence, every),
         ),

@@ -7,12 +7,24 @@ import pytest
 
 from pipeline.config import DiagnosisConfig
 from pipeline.discrepancy.fitting.fit import evaluate, improve
+from pipeline.discrepancy.fitting.ground import ground_of
 from pipeline.discrepancy.judgement import form
-from pipeline.discrepancy.judgement.form import names_of_form, one_for_many
+from pipeline.discrepancy.judgement.form import form_note, names_of_form, one_for_many
+from pipeline.discrepancy.noise.noise import NoiseModel
+from pipeline.discrepancy.search.weighing import Choice
 from pipeline.physics.catalogue import term
 from pipeline.physics.piece import Piece
 from pipeline.stages.diagnosis import diagnose
-from tests.discrepancy.made import SIMULATED, changed, explained, followed, recorded
+from tests.discrepancy.made import (
+    NOISE,
+    SIMULATED,
+    changed,
+    explained,
+    explanation_of,
+    followed,
+    posed,
+    recorded,
+)
 
 RIPPLE = term("transmission_ripple")
 
@@ -48,6 +60,23 @@ def test_more_is_form_beside_a_simulation_that_moves_by_itself(moves, formal, mo
 def test_the_only_name_is_no_form_however_little_it_explains():
     found = explained(recorded({"backlash": {"width": 12.0}}, seed=1))
     assert not names_of_form(found, found.choices[0])
+
+
+@pytest.mark.parametrize(("snaps", "formal"), [(True, {RIPPLE.name}), (False, set())])
+def test_beside_what_has_no_name_all_but_one_name_are_its_form(snaps, formal):
+    hidden = {"backlash": {"width": 12.0},
+              RIPPLE.name: {"amplitude": 2.0, "period": 30.0, "phase": 1.0}}  # fmt: skip
+    snap = {"friction/snapping": {"height": 4.0, "middle": 2.0, "apart": 20.0}} if snaps else {}
+    problem = posed(recorded(hidden | snap, seed=1))
+    ground = ground_of(problem, NoiseModel(NOISE), problem.train)
+    pieces = [Piece(term("backlash"), np.array([12.0])), Piece(RIPPLE, np.array([2.0, 30.0, 1.0]))]
+    if snaps:
+        pieces.append(Piece(term("friction", "snapping"), np.array([4.0, 2.0, 20.0, 3.0])))
+    base, best = (Choice(improve(evaluate(ground, p)), (0, 0, 0), 0.0) for p in ((), pieces))
+    found = explanation_of([best, base])
+    assert set(names_of_form(found, best)) == formal
+    (note,) = form_note({RIPPLE.name: 0.3}, best)
+    assert ("beside what has no name" in note) == snaps
 
 
 def test_a_name_of_form_is_told_in_the_notes_and_stays_in_the_corrected_simulation():

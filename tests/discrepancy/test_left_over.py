@@ -5,10 +5,13 @@ import pytest
 
 from pipeline.discrepancy.fitting.fit import evaluate, improve
 from pipeline.discrepancy.fitting.ground import ground_of
+from pipeline.discrepancy.judgement.rest import CYCLE
+from pipeline.discrepancy.judgement.structure import RINGS, Structure
 from pipeline.discrepancy.judgement.verdict import (
     PLAINLY,
     PLAINLY_OF_PILE,
     asked_of,
+    fewer,
     plainly_told,
     weightier,
 )
@@ -77,6 +80,23 @@ def test_beside_what_has_no_name_only_names_stay_that_explain_many_times_as_much
     choice = Choice(improve(evaluate(ground, (PLAY, snap))), (0, 0, 0), 0.0)
     told = plainly_told(explanation_of([choice]), choice, NOISE**2, PLAINLY)
     assert ("backlash" in names(told)) == stay
+
+
+@pytest.mark.parametrize(
+    ("where", "stay"),
+    [(CYCLE, {"backlash"}), (RINGS, {"backlash"}), ("time", {"backlash", "transmission_ripple"})],
+)
+def test_beside_what_changes_from_cycle_to_cycle_or_rings_stays_one_name(where, stay):
+    ripple = {"amplitude": 1.0, "period": 30.0, "phase": 0.5}
+    problem = posed(recorded({"backlash": {"width": 8.0}, "transmission_ripple": ripple}))
+    ground = ground_of(problem, NoiseModel(NOISE), problem.train)
+    play, wave = (
+        Piece(p.term, np.array(v)) for p, v in ((PLAY, [8.0]), (RIPPLE, [1.0, 30.0, 0.5]))
+    )
+    base, both = (Choice(evaluate(ground, p), (0, 0, 0), 0.0) for p in ((), (play, wave)))
+    explanation = explanation_of([both, base])
+    structure = Structure(True, where, 1e-4, 1e-6)
+    assert names(fewer(explanation, both, structure)) == stay
 
 
 @pytest.mark.parametrize(

@@ -36,6 +36,7 @@ class Limit(NamedTuple):
 
 LEAST, FAINT = Limit(0.01, 0.02), Limit(0.025, 0.025, 0.35)
 LATE_INSIDE, INSIDE = Limit(0.25, 0.25, 0.75), Limit(0.06, 0.06, 0.6)
+ANY = Limit(np.inf, np.inf)
 
 
 def names_of_form(explanation: Explanation, best: Choice) -> dict[str, float]:
@@ -46,6 +47,9 @@ def names_of_form(explanation: Explanation, best: Choice) -> dict[str, float]:
     explains of the mismatch, calibration apart, is within the limit LEAST, or FAINT, which is too
     little to be told from form. The one that explains least is taken out first. Of a force against
     motion only a drift is one (`faint_zero`): beside a weight or a spring, friction is small.
+
+    Beside what has no name at all (a snap) only the name is told that explains most: the form in
+    which that is modelled is farther from the real thing than any term's.
 
     Where the simulation is a trace with a course in time of its own, terms act on what comes out of
     that, and what they stand for acts inside of it: they have another form there (INSIDE), and come
@@ -59,15 +63,15 @@ def names_of_form(explanation: Explanation, best: Choice) -> dict[str, float]:
     before, begun = mismatch_of(explanation, best), mean_square(explanation, best)
     noise, moves = best.fit.ground.noise.deviation**2, moves_by_itself(explanation.problem)
     told, found = best, {}
-    while len(names(told)) > 1:
+    while len(named(told)) > 1:
         formal = []
         left_now = mean_square(explanation, told)
-        for name in names(told):
-            rest = [p for p in told.fit.pieces if p.term.name != name]
+        for name in named(told):
+            rest = [p for p in told.fit.pieces if p.term.nameless or p.term.name != name]
             trial = replace(told, fit=improve(evaluate(told.fit.ground, rest)))
             left = mean_square(explanation, trial)
             own = max(left - left_now, 0.0)
-            limits = limits_of(name, moves)
+            limits = [ANY] if snaps(best) else limits_of(name, moves)
             if any(most.holds(own, left - begun, before, noise) for most in limits):
                 formal.append((left, name, own, trial))
         if not formal:
@@ -75,6 +79,16 @@ def names_of_form(explanation: Explanation, best: Choice) -> dict[str, float]:
         _, name, own, told = min(formal, key=lambda f: f[0])
         found[name] = float(np.sqrt(own / before))
     return found
+
+
+def snaps(choice: Choice) -> bool:
+    """Whether a choice has what no name is of."""
+    return any(p.term.nameless for p in choice.fit.pieces)
+
+
+def named(choice: Choice) -> set[str]:
+    """The names of a choice's pieces, but of what has none."""
+    return {p.term.name for p in choice.fit.pieces if not p.term.nameless}
 
 
 def limits_of(name: str, moves: bool) -> list[Limit]:
@@ -126,12 +140,17 @@ def mismatch_of(explanation: Explanation, best: Choice) -> float:
     return mean_square(explanation, base) - best.fit.ground.noise.deviation**2
 
 
-def form_note(formal: Mapping[str, float]) -> list[str]:
+def form_note(formal: Mapping[str, float], best: Choice) -> list[str]:
     """What the corrected simulation follows besides what is named, and by how much."""
     if not formal:
         return []
     said = " and ".join(f"{name} ({100.0 * share:.1f} %)" for name, share in formal.items())
+    why = (
+        "beside what has no name, that is taken for its form"
+        if snaps(best)
+        else "so little is taken for the form of what is named"
+    )
     return [
-        f"The corrected simulation also has {said} of the mismatch: so little is taken for the "
-        "form of what is named, not for physics of its own."
+        f"The corrected simulation also has {said} of the mismatch: {why}, not for physics of its "
+        "own."
     ]

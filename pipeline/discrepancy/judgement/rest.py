@@ -18,6 +18,9 @@ from pipeline.discrepancy.search.weighing import Choice
 from pipeline.recording import branch_of, reversals_of
 
 FINE, COARSE, TRAVELS, SLOW = 24, 5, 12, 3
+EVERY_OTHER, CYCLE = "every other cycle", "the cycle"
+GAIN_OF_CYCLE, GAIN_IN_TIME = "the gain in each cycle", "the gain, which changes with time"
+CHANGING = frozenset((EVERY_OTHER, CYCLE, GAIN_OF_CYCLE, GAIN_IN_TIME))
 STIFFENING = 1e-3
 DOUBTED, DRAWS = 1e-3, 12
 UNIFORM, HUMPS = 1.8, 4.0
@@ -200,16 +203,14 @@ def curves(problem: Problem) -> dict[str, np.ndarray]:
         numbers = np.unique(cycle[problem.train])
         if len(numbers) > 3:
             odd = (cycle % 2 == 1)[:, None]
-            out["every other cycle"] = np.column_stack([fine * (w[:, None] & odd) for w in ways])
+            out[EVERY_OTHER] = np.column_stack([fine * (w[:, None] & odd) for w in ways])
         if 1 < len(numbers) <= 20:
-            out["the cycle"] = np.column_stack(
+            out[CYCLE] = np.column_stack(
                 [coarse * (w & (cycle == c))[:, None] for c in numbers for w in ways]
             )
             size = np.column_stack([drive, np.ones(len(drive))])
-            out["the gain in each cycle"] = np.column_stack(
-                [size * (cycle == c)[:, None] for c in numbers]
-            )
-        out["the gain, which changes with time"] = drive[:, None] * slow_changes(motion.time_s)
+            out[GAIN_OF_CYCLE] = np.column_stack([size * (cycle == c)[:, None] for c in numbers])
+        out[GAIN_IN_TIME] = drive[:, None] * slow_changes(motion.time_s)
         travel = travelled(drive)
         out["the travel since the last reversal"] = np.column_stack(
             [hats(np.sqrt(travel), TRAVELS) * w[:, None] for w in ways]

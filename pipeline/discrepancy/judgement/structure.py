@@ -17,6 +17,7 @@ from pipeline.discrepancy.judgement.hum import hum
 from pipeline.discrepancy.judgement.mistaken import FEWEST, after_others, incredible, late_by
 from pipeline.discrepancy.judgement.recurrence import foretold_share
 from pipeline.discrepancy.judgement.rest import (
+    CHANGING,
     Rest,
     common_size,
     repeated_rest,
@@ -47,6 +48,7 @@ JERKY, STICKY, JERKS = 4.4, 12.0, "jerks, each time elsewhere: it sticks and sli
 HOLDS = "samples that stay where the one before was as long as it is near: it is held, and lets go"
 TWO_ZEROS = "two zeros by turns"
 NO_FORM = frozenset((SWINGS, JERKS, HOLDS, TWO_ZEROS))  # what terms of a wrong form don't leave
+UNSTEADY = CHANGING | {RINGS}  # which terms that stay as they are follow on average only
 
 
 @dataclass(frozen=True)

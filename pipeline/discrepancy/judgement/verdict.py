@@ -10,6 +10,7 @@ from pipeline.discrepancy.fitting.fit import drifted, evaluate, improve
 from pipeline.discrepancy.judgement.rest import structured_rest
 from pipeline.discrepancy.judgement.structure import (
     NO_FORM,
+    UNSTEADY,
     Structure,
     mismatch_variance,
     share_left,
@@ -149,7 +150,8 @@ def fewer(explanation: Explanation, choice: Choice, structure: Structure) -> Cho
     than they leave together: then it is the form of a term, but not of as many as a search takes.
     So do those that each explain four times what they leave together, or, of as many names as a
     search takes that leave more than the noise, eight times. A force's terms take the forms that
-    suit them once others are gone.
+    suit them once others are gone. Beside what rings, or goes from cycle to cycle, there is one at
+    most: several follow that on average.
     """
     if not choice.fit.pieces:
         return choice
@@ -158,6 +160,8 @@ def fewer(explanation: Explanation, choice: Choice, structure: Structure) -> Cho
         if kept is not choice:
             kept = grown(explanation.search, kept)
         return plainer(explanation.search, kept)
+    if len(names(choice)) > 1 and structure.where in UNSTEADY:
+        return one_at_most(explanation, choice)
     base = next(c for c in explanation.choices if not c.fit.pieces)
     noise = explanation.prior.model.deviation**2
     before = mean_square(explanation, base) - noise
