@@ -68,8 +68,10 @@ def diagnose_measurement(
         noise = replace(noise, jitter=0.0)
     evidence = replace(evidence, noise=noise)
     before, after = evidence.errors(evidence.before), evidence.errors(evidence.after)
-    if not structure.found:
-        structure = beyond_its_name(explanation, best, physics) or structure
+    beyond = None if structure.found else beyond_its_name(explanation, best, physics)
+    if beyond is not None:
+        structure, formal = beyond, names_of_form(explanation, best, beyond=True)
+        physics = tuple(p for p in physics if p.name not in formal)
     verdict = verdict_of(explanation, best, physics, structure)
     diagnosis = Diagnosis(
         measurement=measurement,
@@ -87,7 +89,7 @@ def diagnose_measurement(
         notes=(
             *(accuracy_note(explanation, best) if accurate else ()),
             *refuted_note(decision.refuted),
-            *form_note(formal, best),
+            *form_note(formal, beyond is not None),
             *without_name(best),
             *notes(problem, explanation, best, evidence, every),
         ),

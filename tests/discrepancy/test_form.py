@@ -62,8 +62,9 @@ def test_the_only_name_is_no_form_however_little_it_explains():
     assert not names_of_form(found, found.choices[0])
 
 
-@pytest.mark.parametrize(("snaps", "formal"), [(True, {RIPPLE.name}), (False, set())])
-def test_beside_what_has_no_name_all_but_one_name_are_its_form(snaps, formal):
+@pytest.mark.parametrize(("beyond", "formal"), [(True, {RIPPLE.name}), (False, set())])
+@pytest.mark.parametrize("snaps", [True, False])
+def test_beside_what_has_no_name_all_but_one_name_are_its_form(snaps, beyond, formal):
     hidden = {"backlash": {"width": 12.0},
               RIPPLE.name: {"amplitude": 2.0, "period": 30.0, "phase": 1.0}}  # fmt: skip
     snap = {"friction/snapping": {"height": 4.0, "middle": 2.0, "apart": 20.0}} if snaps else {}
@@ -74,9 +75,9 @@ def test_beside_what_has_no_name_all_but_one_name_are_its_form(snaps, formal):
         pieces.append(Piece(term("friction", "snapping"), np.array([4.0, 2.0, 20.0, 3.0])))
     base, best = (Choice(improve(evaluate(ground, p)), (0, 0, 0), 0.0) for p in ((), pieces))
     found = explanation_of([best, base])
-    assert set(names_of_form(found, best)) == formal
-    (note,) = form_note({RIPPLE.name: 0.3}, best)
-    assert ("beside what has no name" in note) == snaps
+    assert set(names_of_form(found, best, beyond)) == formal
+    (note,) = form_note({RIPPLE.name: 0.3}, beyond)
+    assert ("beside what has no name" in note) == beyond
 
 
 def test_a_name_of_form_is_told_in_the_notes_and_stays_in_the_corrected_simulation():

@@ -39,7 +39,7 @@ LATE_INSIDE, INSIDE = Limit(0.25, 0.25, 0.75), Limit(0.06, 0.06, 0.6)
 ANY = Limit(np.inf, np.inf)
 
 
-def names_of_form(explanation: Explanation, best: Choice) -> dict[str, float]:
+def names_of_form(explanation: Explanation, best: Choice, beyond: bool = False) -> dict[str, float]:
     """Names of the best choice that are the form of its others, and their shares of the mismatch.
 
     A real wire is never quite the term: of what that leaves, many samples make names sure that are
@@ -48,8 +48,8 @@ def names_of_form(explanation: Explanation, best: Choice) -> dict[str, float]:
     little to be told from form. The one that explains least is taken out first. Of a force against
     motion only a drift is one (`faint_zero`): beside a weight or a spring, friction is small.
 
-    Beside what has no name at all (a snap) only the name is told that explains most: the form in
-    which that is modelled is farther from the real thing than any term's.
+    beyond: whether one of them, or a snap, is more than the catalogue has a name for. Only the name
+    is told then that explains most: the form of that is farther from the real thing than a term's.
 
     Where the simulation is a trace with a course in time of its own, terms act on what comes out of
     that, and what they stand for acts inside of it: they have another form there (INSIDE), and come
@@ -71,7 +71,7 @@ def names_of_form(explanation: Explanation, best: Choice) -> dict[str, float]:
             trial = replace(told, fit=improve(evaluate(told.fit.ground, rest)))
             left = mean_square(explanation, trial)
             own = max(left - left_now, 0.0)
-            limits = [ANY] if snaps(best) else limits_of(name, moves)
+            limits = [ANY] if beyond else limits_of(name, moves)
             if any(most.holds(own, left - begun, before, noise) for most in limits):
                 formal.append((left, name, own, trial))
         if not formal:
@@ -79,11 +79,6 @@ def names_of_form(explanation: Explanation, best: Choice) -> dict[str, float]:
         _, name, own, told = min(formal, key=lambda f: f[0])
         found[name] = float(np.sqrt(own / before))
     return found
-
-
-def snaps(choice: Choice) -> bool:
-    """Whether a choice has what no name is of."""
-    return any(p.term.nameless for p in choice.fit.pieces)
 
 
 def named(choice: Choice) -> set[str]:
@@ -140,14 +135,14 @@ def mismatch_of(explanation: Explanation, best: Choice) -> float:
     return mean_square(explanation, base) - best.fit.ground.noise.deviation**2
 
 
-def form_note(formal: Mapping[str, float], best: Choice) -> list[str]:
+def form_note(formal: Mapping[str, float], beyond: bool = False) -> list[str]:
     """What the corrected simulation follows besides what is named, and by how much."""
     if not formal:
         return []
     said = " and ".join(f"{name} ({100.0 * share:.1f} %)" for name, share in formal.items())
     why = (
-        "beside what has no name, that is taken for its form"
-        if snaps(best)
+        "beside what has no name in the catalogue, that is taken for its form"
+        if beyond
         else "so little is taken for the form of what is named"
     )
     return [

@@ -9,7 +9,9 @@ from pipeline.discrepancy.problem.problem import Problem
 from pipeline.discrepancy.search.disguise import as_itself, limits, may_stand_for, plain, plainly
 from pipeline.discrepancy.search.equivalents import equivalents
 from pipeline.discrepancy.search.weighing import RIVAL_GAP, TIE, Choice, by_names, names
+from pipeline.physics.backlash import Backlash
 from pipeline.physics.catalogue import BENDS
+from pipeline.physics.friction import Friction
 
 NEGLIGIBLE = 1e-4
 TEMPERATURE = 2.0
@@ -19,8 +21,8 @@ TEMPERATURE = 2.0
 class Standing:
     """How sure a name is: its probability, and the names that could stand in its place.
 
-    Last come other names of the same thing (`Term.other_names`). tied: whether one of the others
-    fits as well in these data, or would in any (what bends one curve).
+    Last come other names of the same thing (`Term.other_names`), or of play in its place. tied:
+    whether one of the others fits as well in these data, or would in any (what bends one curve).
     """
 
     probability: float
@@ -80,6 +82,7 @@ def standing(name: str, best: Choice, choices: list[Choice], problem: Problem) -
     known = [n for n in like if n not in names(best) | set(tied)]
     unsettled = bool(tied) or bool(name in BENDS and known)
     same = {n for p in own for n in p.term.other_names(p.values, problem.around)}
+    same |= {Friction.name} if Backlash.name in {*tied, *known} else set()
     called = sorted(same - names(best) - {*tied, *known})
     return Standing(probability, (*sorted(tied), *known, *called), unsettled)
 
