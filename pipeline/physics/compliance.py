@@ -18,6 +18,7 @@ class Compliance(Term):
     site = "transmission"
     in_balance = True
     group = "bend"
+    lowers_gain = True
     means = "stretch: less motion than commanded, hardening"
     says = (
         "The wire stretches under the joint's stiffness, and hardens: it moves less than commanded."

@@ -19,19 +19,21 @@ TRUSTED = 0.25
 BEHIND = 200.0
 FIRST_DAMPING = 1e-2
 SHARE_OF_VALUE = 0.02
+FITTED = 2.0  # -2 log odds that a simulation's gain was fitted to its robot
 
 
 @dataclass(frozen=True)
 class Fit:
     """Terms with fitted values. cost: -2 log(likelihood x priors) without constants.
 
-    nuisance: (m,) gain, offset, bends. trace: the mechanism's angles without calibration.
-    calibrating: (count, m) whitened, what the nuisances multiply.
+    nuisance: (m,) gain, offset, bends; expected: their prior means. trace: the mechanism's angles
+    without calibration. calibrating: (count, m) whitened, what the nuisances multiply.
     """
 
     ground: Ground
     pieces: tuple[Piece, ...]
     nuisance: np.ndarray
+    expected: np.ndarray
     trace: Trace
     cost: float
     innovations: np.ndarray = field(repr=False)
@@ -94,7 +96,7 @@ class Fit:
         prior = np.hstack([held, np.zeros((len(held), self.free))])
         columns = np.vstack([np.hstack([self.calibrating, self.slopes]), prior])
         basis = np.linalg.qr(columns)[0]
-        off = held @ (expected_of(self.ground, self.pieces) - self.nuisance)
+        off = held @ (self.expected - self.nuisance)
         return basis[:count], self.innovations @ basis[:count] + off @ basis[count:]
 
     @cached_property
@@ -148,16 +150,33 @@ def calibrated(ground: Ground, pieces: Sequence[Piece], trace: Trace) -> Fit:
     data = ground.data
     if trace.added is not None:
         data = data - ground.whiten(trace.added[:, None])[:, 0]
-    expected = expected_of(ground, pieces)
-    nuisance, innovations, columns, cost = regressed(
-        ground.calibrating(trace), data, ground.filter, ground.precision, expected
-    )
+    raw, expected = ground.calibrating(trace), expected_of(ground, pieces)
+    found = regressed(raw, data, ground.filter, ground.precision, expected)
+    if any(piece.term.lowers_gain for piece in pieces):
+        fitted = np.array([gain_of_fitted(ground, trace), *expected[1:]])
+        other = regressed(raw, data, ground.filter, ground.precision, fitted)
+        if other[3] + FITTED < found[3]:
+            found, expected = (*other[:3], other[3] + FITTED), fitted
+    nuisance, innovations, columns, cost = found
     cost += 2.0 * ground.log_scale + prior_cost(ground, pieces)
-    return Fit(ground, tuple(pieces), nuisance, trace, cost, innovations, columns)
+    return Fit(ground, tuple(pieces), nuisance, expected, trace, cost, innovations, columns)
+
+
+def gain_of_fitted(ground: Ground, trace: Trace) -> float:
+    """The gain of a simulation that was fitted to a robot that gives way, without knowing that.
+
+    Its slope is then that of the whole; a trace's answers are of one that knows the wire as it is.
+    """
+    asked, seen = trace.asked[ground.used], trace.seen[ground.used]
+    asked = asked - np.mean(asked)
+    return float(asked @ asked) / max(float(asked @ seen), 1e-300)
 
 
 def expected_of(ground: Ground, pieces: Sequence[Piece]) -> np.ndarray:
-    """Prior means of gain, offset and bends, (m,): the offset is about a zero on average."""
+    """Prior means of gain, offset and bends, (m,): the offset is about a zero on average.
+
+    Where what gives way lowers the gain, that may be another: see `gain_of_fitted`.
+    """
     expected = ground.nuisances.expected.copy()
     expected[1] -= drifted(ground, pieces)
     return expected

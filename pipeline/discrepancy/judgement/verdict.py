@@ -38,7 +38,7 @@ def intolerable(choice: Choice) -> bool:
     The offset of a force that drifts is that of its zero on average.
     """
     fit, tolerance = choice.fit, choice.fit.ground.problem.tolerance
-    gain = abs(fit.nuisance[0] - 1.0)
+    gain = abs(fit.nuisance[0] - fit.expected[0])
     offset = abs(fit.ground.nuisances.offset(fit.nuisance) + drifted(fit.ground, fit.pieces))
     return bool(gain > FAR_OFF * tolerance.gain or offset > FAR_OFF * tolerance.offset)
 
