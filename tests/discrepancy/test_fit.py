@@ -11,6 +11,7 @@ from pipeline.discrepancy.fitting.effects import effects_of
 from pipeline.discrepancy.fitting.fit import evaluate, improve, jacobian, slopes_beside
 from pipeline.discrepancy.fitting.ground import ground_of
 from pipeline.discrepancy.fitting.screen import screen, started
+from pipeline.discrepancy.judgement.verdict import intolerable
 from pipeline.discrepancy.model.intervals import covariance_of, estimates, wide_covariance
 from pipeline.discrepancy.noise.family import noise_family
 from pipeline.discrepancy.noise.learning import learn_noise
@@ -20,6 +21,7 @@ from pipeline.discrepancy.problem.outliers import alike, isolated, returning
 from pipeline.discrepancy.problem.problem import pose_problem
 from pipeline.discrepancy.problem.thinning import sparser, thinned
 from pipeline.discrepancy.search.explain import explain
+from pipeline.discrepancy.search.weighing import Choice
 from pipeline.physics.catalogue import term
 from pipeline.physics.piece import Piece
 from tests.discrepancy.made import ANGLE, NOISE, SIMULATED, changed, posed, recorded
@@ -48,6 +50,20 @@ def test_a_fit_finds_what_was_hidden():
     assert fit.pieces[1].values[:2] == pytest.approx([1.0, 20.0], abs=0.1)
     assert fit.nuisance == pytest.approx([1.02, 0.4], abs=0.05)
     assert np.var(fit.innovations) == pytest.approx(1.0, abs=0.15)
+
+
+@pytest.mark.parametrize(("gain", "expected"), [(1.0, 1.0), (1.3, 1.11)])
+def test_the_gain_of_a_simulation_may_have_been_fitted_to_what_gives_way(gain, expected):
+    """A ninth more: what it gives way by over all its range."""
+    stiffening = Piece(term("compliance", "joint"), np.array([1e-4, 0.05]))
+    hidden = {"compliance/joint": {"hardening": 1e-4, "stretch": 0.05}}
+    fit = fitted(3, hidden, (stiffening,), gain=gain)
+    assert fit.nuisance[0] == pytest.approx(gain, abs=0.04)
+    assert fit.expected[0] == pytest.approx(expected, abs=0.02)
+    assert not intolerable(Choice(fit, (0, 0, 0), 0.0))
+    play = fitted(3, gain=gain)
+    assert play.expected[0] == 1.0
+    assert intolerable(Choice(play, (0, 0, 0), 0.0)) == (gain > 1.2)
 
 
 def test_every_parameter_has_a_slope():
