@@ -163,9 +163,9 @@ def calibrated(ground: Ground, pieces: Sequence[Piece], trace: Trace) -> Fit:
 
 
 def gain_of_fitted(ground: Ground, trace: Trace) -> float:
-    """The gain of a simulation that was fitted to a robot that gives way, without knowing that.
+    """The gain beside what gives way, of a simulation that was fitted to the robot without it.
 
-    Its slope is then that of the whole; a trace's answers are of one that knows the wire as it is.
+    On average over the rows used, such a simulation asks for no more than the robot moves.
     """
     asked, seen = trace.asked[ground.used], trace.seen[ground.used]
     asked = asked - np.mean(asked)
