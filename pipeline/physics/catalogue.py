@@ -97,7 +97,8 @@ SPECTRA = SlipSpectrum(), SlipSpectrum(OF_DRIVE)
 DRIVEN, CARRYING = Friction("driven"), Friction("driven on")
 SPRUNG, LATE_DAMPER = ViscousFriction("sprung"), LateDamper()
 LATE = (ForceLag(), ForceLag(SWINGING), FrameLag(OLD))
-WORN, FLANKS, QUEUE = (WornPlay(), UnevenPlay(OPENING)), YieldingPlay(FOLLOWING), QueuedFrames()
+WORN, FLANKS, QUEUE = WornPlay(), YieldingPlay(FOLLOWING), QueuedFrames()
+UNEVENLY_WORN = WORN, UnevenPlay(OPENING)
 LOSSY_SIDES = tuple(Contact(f"{side} {LOSSY}") for side in SIDES)
 ODD = (
     SingleBump(), LongRipple(), LongOffCentreRipple(), YieldingWire(), LoadedWire(),
@@ -290,7 +291,7 @@ def term(name: str, form: str = "", other_commands: Iterable[str] = ()) -> Term:
     """The term of a name (and form); TermError names those that exist."""
     others = tuple(other_commands)
     found = with_richer((*terms(others), *ODD, *force_terms(), *further_force_terms()))
-    found += (*SHEATH_FORCES, *PRESSED, SPRUNG, *LATE, *WORN, QUEUE, *UNEVEN, *RECURRING, *SKIPS)
+    found += (*SHEATH_FORCES, *PRESSED, SPRUNG, *LATE, WORN, QUEUE, *UNEVEN, *RECURRING, *SKIPS)
     found += (*RUBBING, CARRYING, LATE_DAMPER, FLANKS, *SPECTRA, SheathLine(), *OWN_AMOUNTS)
     found += [Coupling(f"{channel}{how}") for channel in others for how in (CUBIC, CURVED)]
     same = [t for t in found if t.name == name and form in ("", t.form)]

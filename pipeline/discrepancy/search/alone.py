@@ -5,7 +5,7 @@ from pipeline.discrepancy.search.polish import polished
 from pipeline.discrepancy.search.refuted import worth_a_polish
 from pipeline.discrepancy.search.weighing import Choice, Search, among, best_of_each
 from pipeline.physics.backlash import Backlash
-from pipeline.physics.catalogue import BEND, WORN, richer
+from pipeline.physics.catalogue import BEND, UNEVENLY_WORN, richer
 from pipeline.physics.term import Term
 
 
@@ -22,7 +22,7 @@ def alone(search: Search, choices: list[Choice]) -> list[Choice]:
         return choices
     problem = base.fit.ground.problem
     bends = (t for t in unsearched(search) if t.group == BEND)
-    worn = WORN if any(t.name == Backlash.name for t in search.terms) else ()
+    worn = UNEVENLY_WORN if any(t.name == Backlash.name for t in search.terms) else ()
     found = extended(among(search, problem, (*bends, *worn)), base)
     more = best_of_each([*choices, *found])
     if more[0].score < best.score and worth_a_polish(search, more[0], best):
