@@ -16,6 +16,7 @@ LIKE_A_SHEATH = 3.0  # a stiff sheath's friction is the same signal, and likelie
 TAPERS = (-0.6, -0.3, 0.3, 0.6)
 UNWORN, PLACES, REACHES = (0.3, 0.6), (0.3, 0.5, 0.7), (0.1, 0.2)
 OPENS, OVER, RARELY = (-0.9, 0.9), (0.03, 0.1), 10.0
+NOTHING = 1e-3
 
 
 class UnevenPlay(DrivePlay):
@@ -38,7 +39,7 @@ class UnevenPlay(DrivePlay):
         self.form = form
         self.unlikely = {TAPERED: LIKE_A_SHEATH, OPENING: RARELY}.get(form, 0.0)
         self.also = ("friction",) if form == TAPERED else ()
-        self.beyond = "on which side the play is wider" if form == OPENING else ""
+        self.beyond = "how much wider the play is on one side" if form == OPENING else ""
 
     def richer(self) -> tuple[Term, ...]:
         return (UnevenPlay(OPENING),) if self.form == TAPERED else ()
@@ -118,6 +119,7 @@ class UnevenPlay(DrivePlay):
         unit, span = around.drive_unit, around.drive_span
         drive = around.drive_low + span * np.linspace(0.0, 1.0, 101)
         gaps = self.gap(drive, values)
+        gaps[gaps < NOTHING * gaps.max()] = 0.0
         most, least = int(np.argmax(gaps)), int(np.argmin(gaps))
         return (
             "The drive turns through play after each reversal before anything moves, "

@@ -5,6 +5,7 @@ import pytest
 
 from pipeline.physics.motion import Motion
 from pipeline.physics.play_operator import play, varying_play
+from pipeline.physics.term import Surroundings
 from pipeline.physics.uneven_play import FORMS, OPENING, TAPERED, WORN, UnevenPlay
 from tests.discrepancy.made import diagnosed, names
 from tests.discrepancy.test_beyond import moved, recorded
@@ -82,3 +83,9 @@ def test_play_on_one_side_is_found_in_place_of_what_mops_it_up_and_told_as_more_
     asked = np.array([-40.0, -10.0, 20.0, 50.0])
     expected = [0.0, 0.0, 4.0, 4.0]
     np.testing.assert_allclose(piece.term.gap(asked, piece.values), expected, atol=0.4)
+
+
+def test_play_that_is_none_on_one_side_is_said_to_be_none():
+    around = Surroundings(drive_span=120.0, drive_low=-60.0, drive_unit="deg")
+    told = UnevenPlay(OPENING).sentence(np.array([2.0, 1.0, 0.0, 5.0]), around)
+    assert "4 deg of it at 60 deg, 0 deg at -60 deg" in told
