@@ -195,7 +195,8 @@ def allowed(terms: Sequence[Term], fit: Fit) -> list[Term]:
 
 
 def excludes(term: Term, other: Term) -> bool:
-    """Whether two terms can't stand beside each other."""
+    """Whether two terms can't stand beside each other; what has no name of its own shares none."""
     if term.group:
         return term.group == other.group
-    return (term.name, term.side) == (other.name, other.side)
+    shared = term.nameless == other.nameless
+    return shared and (term.name, term.side) == (other.name, other.side)
