@@ -139,7 +139,7 @@ class Term:
     beyond_alone: the same of a form that its name covers beside another of it, or where it ties.
     beyond_lone: the same of a form that its name covers beside any other name.
     nameless: whether no name of the catalogue is its own, and it is told in words only.
-    lowers_gain: whether it does so beside what it is, as what gives way does.
+    lowers_gain: whether a robot moves less by it, so that a gain may have been fitted to that.
     unlikely: how much less likely than others it is in its form, in -2 log odds.
     apart: what tells it from another piece of its name, said behind its parameters.
     also: names that tell what this form does as well as its own; also_on_both: where it stands on

@@ -75,9 +75,19 @@ def test_beside_what_has_no_name_all_but_one_name_are_its_form(snaps, beyond, fo
         pieces.append(Piece(term("friction", "snapping"), np.array([4.0, 2.0, 20.0, 3.0])))
     base, best = (Choice(improve(evaluate(ground, p)), (0, 0, 0), 0.0) for p in ((), pieces))
     found = explanation_of([best, base])
+    assert best.fit.but_for("friction") == best.fit.pieces[:2]
     assert set(names_of_form(found, best, beyond)) == formal
     (note,) = form_note({RIPPLE.name: 0.3}, beyond)
     assert ("beside what has no name" in note) == beyond
+
+
+def test_without_friction_a_snap_beside_it_stays():
+    problem = posed(recorded({}))
+    ground = ground_of(problem, NoiseModel(NOISE), problem.train)
+    snap = Piece(term("friction", "snapping"), np.array([4.0, 2.0, 20.0, 3.0]))
+    rubs = Piece(term("friction"), np.array([2.0, 5.0, 0.7]))
+    assert evaluate(ground, (rubs, snap)).but_for("friction") == (snap,)
+    assert evaluate(ground, (snap,)).but_for("friction") == ()
 
 
 def test_a_name_of_form_is_told_in_the_notes_and_stays_in_the_corrected_simulation():

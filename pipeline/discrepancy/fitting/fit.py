@@ -47,6 +47,14 @@ class Fit:
         """Its pieces but for some of them."""
         return tuple(p for p in self.pieces if not any(p is g for g in gone))
 
+    def but_for(self, name: str) -> tuple[Piece, ...]:
+        """Its pieces but those of a name; what is only kept under it goes where it is all there is.
+
+        A snap beside friction has no name of its own (`Term.nameless`).
+        """
+        own = [p for p in self.pieces if p.term.name == name]
+        return self.without(*([p for p in own if not p.term.nameless] or own))
+
     @property
     def slow(self) -> frozenset[str]:
         """The names of its terms that move the zero."""

@@ -70,5 +70,5 @@ def without(explanation: Explanation, choice: Choice, name: str) -> Choice:
     found = [c for c in explanation.choices if names(c) == names(choice) - {name}]
     if found:
         return min(found, key=lambda c: c.score)
-    rest = [p for p in choice.fit.pieces if p.term.name != name]
+    rest = choice.fit.but_for(name)
     return replace(choice, fit=improve(evaluate(choice.fit.ground, rest)))

@@ -59,7 +59,7 @@ def firm(explanation: Explanation, choice: Choice) -> Choice:
     own = search.weighed(choice.fit, choice.place).score
     found: list[tuple[float, Choice]] = []
     for name in told if len(told) > 1 else ():
-        rest = [p for p in choice.fit.pieces if p.term.name != name]
+        rest = choice.fit.but_for(name)
         trial = replace(choice, fit=improve(evaluate(ground, rest)))
         grew = mean_square(explanation, trial) - mean_square(explanation, choice)
         size = float(np.sqrt(max(grew, 0.0))) / ground.noise.deviation

@@ -67,8 +67,8 @@ def names_of_form(explanation: Explanation, best: Choice, beyond: bool = False) 
         formal = []
         left_now = mean_square(explanation, told)
         for name in named(told):
-            rest = [p for p in told.fit.pieces if p.term.nameless or p.term.name != name]
-            trial = replace(told, fit=improve(evaluate(told.fit.ground, rest)))
+            fit = improve(evaluate(told.fit.ground, told.fit.but_for(name)))
+            trial = replace(told, fit=fit)
             left = mean_square(explanation, trial)
             own = max(left - left_now, 0.0)
             limits = [ANY] if beyond else limits_of(name, moves)
@@ -102,7 +102,7 @@ def faint_zero(explanation: Explanation, best: Choice) -> dict[str, float]:
     noise = best.fit.ground.noise.deviation * np.sqrt(blocks.size if blocks is not None else 1)
     before, found = mismatch_of(explanation, best), {}
     for name in best.fit.slow:
-        rest = [p for p in best.fit.pieces if p.term.name != name]
+        rest = best.fit.but_for(name)
         trial = replace(best, fit=improve(evaluate(best.fit.ground, rest)))
         own = mean_square(explanation, trial) - mean_square(explanation, best)
         if own < (FAINT_ZERO * noise) ** 2:

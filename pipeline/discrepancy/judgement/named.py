@@ -125,8 +125,7 @@ def together(one: NamedPhysics, other: NamedPhysics) -> NamedPhysics:
 
 def error_without(best: Choice, name: str, evidence: Evidence) -> float:
     """Held-out error of the refitted rest when a name is taken out."""
-    rest = [p for p in best.fit.pieces if p.term.nameless or p.term.name != name]
-    fit = improve(evaluate(best.fit.ground, rest))
+    fit = improve(evaluate(best.fit.ground, best.fit.but_for(name)))
     mechanism = mechanism_of(fit.ground.problem, Choice(fit, best.place, 0.0))
     return evidence.errors(mechanism.respond(evidence.motion)[0]).heldout_rmse
 

@@ -61,7 +61,7 @@ def swapped(explanation: Explanation, best: Choice) -> list[Choice]:
     """
     search, tried, out = explanation.search, {names(c) for c in explanation.choices}, []
     for name in dict.fromkeys(best.fit.names):
-        rest = [p for p in best.fit.pieces if p.term.name != name]
+        rest = best.fit.but_for(name)
         rivals = set(equivalents(name, explanation.problem)) - BENDS
         left_out = {r for r in rivals if names(best) - {name} | {r} not in tried}
         if left_out:

@@ -116,7 +116,7 @@ def sure_slips(choice: Choice, rest: float) -> list[Piece]:
 
 
 def _without(choice: Choice, name: str) -> Choice:
-    rest = [p for p in choice.fit.pieces if p.term.name != name]
+    rest = choice.fit.but_for(name)
     return replace(choice, fit=improve(evaluate(choice.fit.ground, rest)))
 
 
