@@ -71,7 +71,8 @@ def diagnose_measurement(
     beyond = None if structure.found else beyond_its_name(explanation, best, physics)
     if beyond is not None:
         structure, formal = beyond, names_of_form(explanation, best, beyond=True)
-        physics = tuple(p for p in physics if p.name not in formal)
+        named = named_physics(explanation, best, evidence, structure, covariance)
+        physics = tuple(p for p in named if p.name not in formal)
     verdict = verdict_of(explanation, best, physics, structure)
     diagnosis = Diagnosis(
         measurement=measurement,

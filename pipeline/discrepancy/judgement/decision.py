@@ -214,5 +214,5 @@ def without_repeats(
             structure = told_but_for_its_form(explanation, best, structure)
     rest = structure.share * mismatch_variance(explanation)
     kept = foretold_part(explanation.choices, best, rest) if structure.found else best
-    mops_up = structure.found and (piled(kept) or leaves_much(explanation, kept))
-    return beside_a_rest(explanation, kept, rest) if mops_up else kept, structure
+    several = structure.found and len(names(kept)) > 1
+    return beside_a_rest(explanation, kept, rest) if several else kept, structure
