@@ -28,7 +28,7 @@ def explained(problem: Problem) -> tuple[Problem, Explanation]:
     known once what they should have read is; then it is taken off them.
     """
     explanation = explain(thinned(problem)[0])
-    for otherwise in (otherwise_simulated, otherwise_moved):
+    for otherwise in (on_its_course, otherwise_simulated, otherwise_moved):
         other = otherwise(problem, explanation)
         if other is not None:
             found = explain(thinned(other)[0])
@@ -38,6 +38,11 @@ def explained(problem: Problem) -> tuple[Problem, Explanation]:
     if between is problem:
         return problem, explanation
     return between, explain(thinned(between)[0])
+
+
+def on_its_course(problem: Problem, explanation: Explanation) -> Problem | None:
+    """The problem with what the simulation does beside its curve as a course of its own."""
+    return problem.coursed if unclear(explanation) else None
 
 
 def otherwise_simulated(problem: Problem, explanation: Explanation) -> Problem | None:

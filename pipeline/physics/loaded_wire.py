@@ -11,7 +11,7 @@ from pipeline.physics.held import STEP_AND_WAIT_S
 from pipeline.physics.motion import Motion
 from pipeline.physics.term import Parameter, Surroundings, Term
 
-CONVERSE, VARIED, LEAST = 6.0, 1.5, 5e-3
+CONVERSE, LEAST = 6.0, 5e-3
 ALONE, TWO = "loaded wire", "loaded wire two"
 AT_ONCE, AHEAD = 1.5, "an answer that runs ahead of its command, the faster the farther"
 SHARE, STIFFNESSES, LATER = 0.07, (0.02, 0.1, 0.5), 8.0
@@ -84,9 +84,6 @@ class LoadedWire(ArrivingLate):
         least = min(values[0], values[-2])
         return self.form == TWO and bool(least < LEAST or values[-1] > SLOWEST * around.period_s)
 
-    def excited(self, motion: Motion, around: Surroundings) -> bool:
-        return rests_differ(motion, around) and super().excited(motion, around)
-
 
 def ahead(values: np.ndarray, around: Surroundings) -> str:
     """That a wire which has stretched within a sample is none: a sum of a motion and its speed.
@@ -95,9 +92,3 @@ def ahead(values: np.ndarray, around: Surroundings) -> str:
     """
     at_once = values[1] < AT_ONCE * around.dwell_s
     return AHEAD if around.dwell_s < STEP_AND_WAIT_S and at_once else ""
-
-
-def rests_differ(motion: Motion, around: Surroundings) -> bool:
-    """Whether a command rests so differently long, or so short, that time tells from the way."""
-    shortest, longest = np.quantile(motion.stood_s, (0.05, 0.95))
-    return bool(longest > VARIED * shortest or around.dwell_s < STEP_AND_WAIT_S)

@@ -7,7 +7,7 @@ from typing import ClassVar
 import numpy as np
 
 from pipeline.physics.creep import Creep
-from pipeline.physics.loaded_wire import CONVERSE, LoadedWire, ahead, rests_differ
+from pipeline.physics.loaded_wire import CONVERSE, LoadedWire, ahead
 from pipeline.physics.motion import Motion
 from pipeline.physics.term import Parameter, Surroundings, Term, Told
 
@@ -21,8 +21,7 @@ class YieldingWire(Creep):
     and a joint that has followed sags toward home again. Of that the share `foreseen` is in the
     simulation's gain: none where it is the wire's at once, all where it is that in the long run.
     So this is creep that takes back, not creep that arrives late. Other loads: `loaded_wire.py`.
-    What has settled within a dwell is not told from motion; of a robot that steps and waits, always
-    as long, nothing is told from a loop that runs the other way. Form "yielding wire two" has two
+    What has settled within a dwell is not told from motion. Form "yielding wire two" has two
     arms. `moving` and `begun`: see `Creep`. Source: standard linear solid in series with a spring
     (Zener); Fung, Biomechanics (1993), section 7.6.
     """
@@ -63,9 +62,6 @@ class YieldingWire(Creep):
     def retold(self, starts: np.ndarray) -> np.ndarray:
         apart = super().retold(np.delete(starts, FORESEEN, axis=1))
         return np.insert(apart, FORESEEN, starts[0, FORESEEN], axis=1)
-
-    def excited(self, motion: Motion, around: Surroundings) -> bool:
-        return rests_differ(motion, around) and super().excited(motion, around)
 
     def beyond_at(self, values: np.ndarray, around: Surroundings) -> str:
         return ahead(values, around)

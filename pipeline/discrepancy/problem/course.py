@@ -16,7 +16,7 @@ from pipeline.discrepancy.problem.course_trial import DEGREE, NOTHING, Course, T
 from pipeline.physics.mechanism import OwnCourse
 from pipeline.physics.motion import Motion
 
-EXACT, ROUGHLY, BETTER, PLAINER, ALIKE = 2e-3, 4e-3, 0.1, 2.0, 2e-4
+EXACT, ROUGHLY, BETTER, PLAINER, ALIKE, OF_LOOP = 2e-3, 4e-3, 0.1, 2.0, 2e-4, 0.01
 ENOUGH, NEAR, MUCH_BETTER, MIXED = 1e-3, 0.05, 3.0, 0.7
 MOST_ROWS = 20_000
 
@@ -61,7 +61,8 @@ def course_on(name: str, motion: Motion, simulated: np.ndarray, known: np.ndarra
     found = suiting(trial, span, trial.left_by_mix(others))
     if not found:
         return None
-    enough = max(PLAINER * min(left for left, _ in found), ALIKE * span)
+    alike = min(ALIKE * span, OF_LOOP * trial.left(NOTHING))
+    enough = max(PLAINER * min(left for left, _ in found), alike)
     own = next(own for left, own in found if left <= enough)
     if rubs(own):
         own = rubbing_one(found)

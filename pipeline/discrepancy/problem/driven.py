@@ -17,6 +17,7 @@ from pipeline.recording import Recording
 
 STATIC_ERROR = 2e-3
 MIXED = 0.05
+ITS_CURVE, ITS_COURSE, ITS_TRACE = "curve", "course", "trace"
 
 
 class DiagnosisError(LoopgapError):
@@ -37,14 +38,15 @@ class Driven(NamedTuple):
 
 
 def driven_by(
-    recording: Recording, measurement: str, simulated: np.ndarray, traced: bool = False
+    recording: Recording, measurement: str, simulated: np.ndarray, taken_as: str = ITS_CURVE
 ) -> Driven:
     """What drives a simulation (n,) of a measurement.
 
     Where the simulation is a static curve of a command, or that with a lag, creep, friction or play
     of its own, that command drives and the curve is learnt from the two. Otherwise the simulation's
-    trace drives, and no curve follows; so it does if it is to be `traced`. Where that trace mixes
-    several commands, each of them is one of the others too. Raises DiagnosisError where nothing was
+    trace drives, and no curve follows; so it does if it is taken as ITS_TRACE. Taken as ITS_COURSE,
+    a little beside a curve is a lag, creep, friction or play, too. Where a trace mixes several
+    commands, each of them is one of the others too. Raises DiagnosisError where nothing was
     commanded.
     """
     commands = {c.name: recording.values(c.name) for c in recording.with_role("command")}
@@ -56,10 +58,10 @@ def driven_by(
     misfit = {n: static_misfit(u[known], simulated[known]) for n, u in commands.items()}
     drive = min(commands, key=lambda n: (misfit[n] >= STATIC_ERROR, not _kin(n, measurement),
                                          misfit[n]))  # fmt: skip
-    static = misfit[drive] < STATIC_ERROR and not traced
+    static = misfit[drive] < STATIC_ERROR and taken_as == ITS_CURVE
     own_first = {n: commands[n] for n in sorted(commands, key=lambda n: not _kin(n, measurement))}
     course = None
-    if not (static or traced):
+    if not static and taken_as != ITS_TRACE:
         course = course_of(own_first, recording.values("time_s"), simulated)
     if course is not None:
         drive, static = course.command, True

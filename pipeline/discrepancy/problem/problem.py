@@ -9,7 +9,13 @@ import numpy as np
 from pipeline.config import DiagnosisConfig, HeldoutConfig, ToleranceConfig
 from pipeline.discrepancy.problem.counts import uncounted
 from pipeline.discrepancy.problem.course_trial import Course
-from pipeline.discrepancy.problem.driven import DiagnosisError, driven_by
+from pipeline.discrepancy.problem.driven import (
+    ITS_COURSE,
+    ITS_CURVE,
+    ITS_TRACE,
+    DiagnosisError,
+    driven_by,
+)
 from pipeline.discrepancy.problem.fitted import LOOSE_GAIN, tolerance_of_fit
 from pipeline.discrepancy.problem.holes import unsettled_rows
 from pipeline.discrepancy.problem.jumping import between_branches
@@ -60,8 +66,8 @@ class Problem:
     simulated, as the simulation does it beside its curve, RMS, see `own_dynamics.py`. course: what
     the simulation surely has beside its curve (a lag, play, ...), see `course.py`. levels: of a
     sensor that reads in such. read: the measurement as it was read, where what readings are off by
-    was taken off, see `levels.py`. traced: the same with the simulation's trace as drive, where it
-    does a little beside its curve. elsewhere: the same where the simulation's own friction, which
+    was taken off, see `levels.py`. coursed, traced: the same where the little that the simulation
+    does beside its curve is a course of its own, and with its trace as drive. elsewhere: the same where the simulation's own friction, which
     may be at its drive or at its joint, is at the other place.
     """
 
@@ -88,6 +94,7 @@ class Problem:
     course: OwnCourse | None = None
     levels: Levels | None = None
     read: np.ndarray | None = None
+    coursed: "Problem | None" = None
     traced: "Problem | None" = None
     elsewhere: "Problem | None" = None
 
@@ -167,12 +174,11 @@ def pose_problem(
     recording: Recording,
     measurement: str,
     simulated: np.ndarray,
-    traced: bool = False,
+    taken_as: str = ITS_CURVE,
 ) -> Problem:
     """What is to be explained: `measurement`, given a simulation of it (n,).
 
-    traced: whether the simulation's trace drives, whatever curve it is near to. Raises
-    DiagnosisError where there is too little to judge.
+    taken_as: what drives, see `driven_by`. Raises DiagnosisError where there is too little to judge.
     """
     came = recording.values(measurement)
     stale = stale_samples(came, simulated)
@@ -182,28 +188,31 @@ def pose_problem(
     known = np.isfinite(measured) & np.isfinite(simulated)
     refuse_unknown(measurement, known)
     refuse_still(measurement, measured[known], simulated[known])
-    driven = driven_by(recording, measurement, simulated, traced)
+    driven = driven_by(recording, measurement, simulated, taken_as)
     unsettled = unsettled_rows(driven.motion.time_s, driven.motion.drive) & known
     measured, known = np.where(unsettled, np.nan, measured), known & ~unsettled
     heldout = held_out_rows(config.heldout, driven.motion, known)
     train = known & ~heldout
     refuse_unfit(config.heldout, measurement, train, known & heldout)
     replaced = other = None
-    if driven.course is None and not traced:
+    if driven.course is None and taken_as == ITS_CURVE:
         other = in_place(recording, measurement, simulated, measured, train)
     if other is not None:
         replaced, simulated = simulated, other
         driven = driven_by(recording, measurement, simulated)
     motion, curve, drive, static, course = driven
     counted = rough = own = 0.0
-    trace = None
+    loop = trace = None
     if course is not None:
         measured = measured - (simulated - course.reproduced)
         simulated = np.where(np.isfinite(simulated), course.reproduced, np.nan)
     elif static:
         found, stays = beside_curve(motion, curve, simulated, np.where(train, measured, np.nan))
         if found.any() and replaced is None:
-            trace = pose_problem(config, recording, measurement, simulated, traced=True)
+            loop, trace = (
+                pose_problem(config, recording, measurement, simulated, other)
+                for other in (ITS_COURSE, ITS_TRACE)
+            )
         if stays:
             measured, simulated, own = measured - found, simulated - found, float(np.std(found))
         motion, curve, counted, rough = smoothed(motion, curve, measured, simulated, train)
@@ -222,6 +231,7 @@ def pose_problem(
         unsettled=int(unsettled.sum()), own=own,
         course=None if course is None else course.own,
         levels=levels_read(came, measured), traced=trace,
+        coursed=None if loop is None or loop.course is None else replace(loop, traced=trace),
     )  # fmt: skip
     if course is None or course.otherwise is None:
         return posed
