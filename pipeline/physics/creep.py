@@ -14,7 +14,7 @@ from pipeline.physics.rising_creep import RisingCreep
 from pipeline.physics.term import HELD, Parameter, Surroundings, Term, Told
 
 SPREAD, ARMS = "spread", 5
-NARROW, BROADEST, BREADTHS = 0.7, 1.5, (0.7, 1.1)
+NARROW, BROADEST, BREADTHS, MOSTLY = 0.7, 1.5, (0.7, 1.1), 0.5
 WHOLE = {"one": "whole", SPREAD: f"whole {SPREAD}"}
 
 
@@ -140,6 +140,11 @@ class Creep(ArrivingLate):
             for arm in arms
             if arm[0] >= LARGEST
         ]
+
+    def other_names(self, values: np.ndarray, around: Surroundings) -> tuple[str, ...]:
+        """A motion most of which comes late in one go lags: what it does at once may be its form."""
+        share = max(arm[0] for arm in self.arms(values))
+        return (ResponseLag.name,) if share > MOSTLY else ()
 
     def slight(self, values: np.ndarray, around: Surroundings) -> bool:
         """Arms slower than some cycles hardly answer them: their one settling is a drift.

@@ -66,6 +66,9 @@ class YieldingWire(Creep):
     def beyond_at(self, values: np.ndarray, around: Surroundings) -> str:
         return ahead(values, around)
 
+    def other_names(self, values: np.ndarray, around: Surroundings) -> tuple[str, ...]:
+        return ()
+
     def instead(self, values: np.ndarray, motion: Motion, around: Surroundings) -> Sequence[Told]:
         return ()
 

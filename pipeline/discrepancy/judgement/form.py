@@ -61,8 +61,7 @@ def names_of_form(explanation: Explanation, best: Choice, beyond: bool = False) 
     if walks_far(explanation, best):
         return {}
     before, begun = mismatch_of(explanation, best), mean_square(explanation, best)
-    noise, moves = best.fit.ground.noise.deviation**2, moves_by_itself(explanation.problem)
-    told, found = best, {}
+    noise, told, found = best.fit.ground.noise.deviation**2, best, {}
     while len(named(told)) > 1:
         formal = []
         left_now = mean_square(explanation, told)
@@ -71,7 +70,7 @@ def names_of_form(explanation: Explanation, best: Choice, beyond: bool = False) 
             trial = replace(told, fit=fit)
             left = mean_square(explanation, trial)
             own = max(left - left_now, 0.0)
-            limits = [ANY] if beyond else limits_of(name, moves)
+            limits = [ANY] if beyond else limits_of(name, explanation.problem)
             if any(most.holds(own, left - begun, before, noise) for most in limits):
                 formal.append((left, name, own, trial))
         if not formal:
@@ -86,10 +85,11 @@ def named(choice: Choice) -> set[str]:
     return {p.term.name for p in choice.fit.pieces if not p.term.nameless}
 
 
-def limits_of(name: str, moves: bool) -> list[Limit]:
-    """Within any of which a name is form; moves: whether the simulation moves by itself."""
-    late = [LATE_INSIDE] if name in LATE else []
-    return [LEAST, FAINT, *([INSIDE, *late] if moves else [])]
+def limits_of(name: str, problem: Problem) -> list[Limit]:
+    """Within any of which a name is form beside others."""
+    inside = [INSIDE] if moves_by_itself(problem) else []
+    late = [LATE_INSIDE] if name in LATE and comes_late_by_itself(problem) else []
+    return [LEAST, FAINT, *inside, *late]
 
 
 def faint_zero(explanation: Explanation, best: Choice) -> dict[str, float]:
@@ -113,6 +113,13 @@ def faint_zero(explanation: Explanation, best: Choice) -> dict[str, float]:
 def moves_by_itself(problem: Problem) -> bool:
     """Whether the simulation has a course in time of its own."""
     return not problem.static or problem.own > 0.0 or problem.course is not None
+
+
+def comes_late_by_itself(problem: Problem) -> bool:
+    """Whether that course may be one in time: play and friction go by the way alone."""
+    if problem.course is None:
+        return moves_by_itself(problem)
+    return any(piece.term.remembers == "time" for piece in problem.course.pieces)
 
 
 def one_for_many(explanation: Explanation, best: Choice) -> Choice:
