@@ -125,6 +125,10 @@ class Friction(Term):
         little = (GIVING if slider else FIRM) * values[0]
         return (Backlash.name,) if values[1] < little else ()
 
+    def other_names(self, values: np.ndarray, around: Surroundings) -> tuple[str, ...]:
+        """Play, where the corners are sharp: its flanks give way a little, too."""
+        return (Backlash.name,) if values[1] < SHARP * values[0] else ()
+
     def plainer(self, values: np.ndarray, shown: Shown) -> str:
         """Backlash where the corners are surely sharp, or far smaller than the loop is wide."""
         corner = not self.before_curve and values[1] < CORNER * values[0]

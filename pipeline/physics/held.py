@@ -9,7 +9,7 @@ from pipeline.physics.term import Parameter, Surroundings
 STEP_AND_WAIT_S = 1.0  # a robot that is sampled no more often steps and waits
 DENSE = 200
 LAGS = (0.3, 0.7, 1.5, 4.0)
-UNEVEN, UNEVEN_WAITS = 0.05, 0.01
+UNEVEN, UNEVEN_WAITS = 0.05, 0.005
 
 
 def dwells(motion: Motion, last_time: float) -> np.ndarray:

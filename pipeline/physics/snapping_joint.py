@@ -12,7 +12,7 @@ from pipeline.physics.term import Parameter, Surroundings, Term
 
 UNUSUAL, BENT, CURVED = 6.0, "snapping bent", "snapping curved"
 MIDDLES, APARTS = (0.2, 0.35, 0.5, 0.65, 0.8), (0.05, 0.15, 0.3, 0.5, 0.75)
-OVER, SHARPEST, WIDEST = 0.06, 0.002, 0.1
+OVER, SHARPEST, WIDEST, CLOSE = 0.06, 0.002, 0.1, 0.02
 SLOPES = ("lean", 4.0), ("bend", 16.0), ("third", 32.0), ("fourth", 64.0)
 
 
@@ -77,6 +77,10 @@ class SnappingJoint(Term):
         height, middle = values[:2]
         shape = np.polynomial.polynomial.polyval(signal - middle, np.append(1.0, values[4:]))
         return signal + 0.5 * height * shape * (at + 1.0), at[-1:].copy()
+
+    def slight(self, values: np.ndarray, around: Surroundings) -> bool:
+        """What returns where it left is no snap, but a bend of the curve."""
+        return bool(values[2] < CLOSE * around.angle_span)
 
     def leaps(self, motion: Motion, angle: np.ndarray, values: np.ndarray) -> np.ndarray:
         """Where it snaps, and the samples next to it: how far it had come by then says nothing."""

@@ -117,12 +117,7 @@ def extended(
     found: dict[Key, Fit] = {}
     unknown = not parent.fit.pieces and search.family.prior.repeats == 0
     for start, own in starts:
-        groups = by_term(screen(start, search.effects, own, quick=search.quick))
-        groups = leading(groups, branches, lambda few: (few[0].term.name, few[0].term.kin))
-        for few in hopeful(groups, 0.0 if unknown else TERM_COST, search.clear):
-            trial = improve(started(start, few), 3, start)
-            if trial.cost > start.cost - TERM_COST:
-                trial = improve(trial, 6)
+        for trial in trials_beside(search, start, own, branches, 0.0 if unknown else TERM_COST):
             if trial.key not in found or trial.cost < found[trial.key].cost:
                 found[trial.key] = trial
     slow = [t for t in terms if t.slow]
@@ -136,6 +131,28 @@ def extended(
     trials = worthwhile(search, parent, in_better_order(found), late, max(branches - 2, 3))
     fits = [settle_moments(improve(trial, 8)) for trial in trials]
     return [search.weighed(fit, parent.place) for fit in fits]
+
+
+def trials_beside(
+    search: Search, start: Fit, terms: Sequence[Term], branches: int, least: float
+) -> list[Fit]:
+    """A fit with each of the terms that promise most, and more than `least`, a few steps on.
+
+    Where all that a quick look promises comes to nothing, of a size that no bounds allow, those
+    that some do allow are looked for.
+    """
+    found: list[Fit] = []
+    for quick in dict.fromkeys((search.quick, False)):
+        groups = by_term(screen(start, search.effects, terms, quick=quick))
+        groups = leading(groups, branches, lambda few: (few[0].term.name, few[0].term.kin))
+        for few in hopeful(groups, least, search.clear):
+            trial = improve(started(start, few), 3, start)
+            if trial.cost > start.cost - TERM_COST:
+                trial = improve(trial, 6)
+            found.append(trial)
+        if any(trial.cost < start.cost - TERM_COST for trial in found):
+            break
+    return found
 
 
 def worthwhile(
