@@ -124,6 +124,7 @@ RIPPLES = {
     "third afloat": (TWO,),
 }
 """What is no ripple of one period and its overtones, by the forms that it grows from."""
+EDGED_WAVES, NEARLY_SAW = ("both afloat", "all afloat"), 0.95
 
 
 def terms(other_commands: Iterable[str] = ()) -> tuple[Term, ...]:
@@ -269,9 +270,9 @@ def instead(term: Term, values: np.ndarray, motion: Motion, around: Surroundings
 
     As wide at the joint, it gives way over some of that or all: where another term stays behind as
     well, it has grown beside sharp corners to what no linear step leads away from. Nor does a step
-    lead from what is late to the swing that is as late, of a motion that is sampled finely. A
-    ripple of which the drive sees hardly more than a wave may bend as a joint or a lens does, in
-    forms that no search begins with.
+    lead from what is late to the swing that is as late, of a motion that is sampled finely. Of a
+    saw, waves of their own take the first few. A ripple of which the drive sees hardly more than a
+    wave may bend as a joint or a lens does, in forms that no search begins with.
     """
     told = list(term.instead(values, motion, around))
     named = dict(zip((p.name for p in term.parameters(around)), values, strict=True))
@@ -280,6 +281,8 @@ def instead(term: Term, values: np.ndarray, motion: Motion, around: Surroundings
         told += [[(Friction(), np.array([width, part * width, 0.7]))] for part in RUBS]
     if named.get("period", 0.0) > ONE_WAVE * around.drive_span and term.periodic:
         told += [[(t, v)] for t in (RISING, BENDING) for v in t.candidates(motion, around)]
+    if term.form in EDGED_WAVES:
+        told += [[(OFF_CENTRE, np.append(values[:3], NEARLY_SAW))]]
     lag_s = named.get("lag" if term.form in OF_TIME else "time_constant", 0.0)
     if term.group == "lag" and lag_s > 0.0:
         told += swinging_as(lag_s) if around.dwell_s < STEP_AND_WAIT_S else []

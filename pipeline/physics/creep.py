@@ -142,7 +142,7 @@ class Creep(ArrivingLate):
         ]
 
     def other_names(self, values: np.ndarray, around: Surroundings) -> tuple[str, ...]:
-        """A motion most of which comes late in one go lags: what it does at once may be its form."""
+        """A motion that comes late for the most part lags: what it does at once may be its form."""
         share = max(arm[0] for arm in self.arms(values))
         return (ResponseLag.name,) if share > MOSTLY else ()
 

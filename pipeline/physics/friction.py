@@ -15,7 +15,7 @@ from pipeline.physics.term import Parameter, Shown, Surroundings, Term, Told
 
 LEFT, LOOSENED, LOOSE = ((0.65, 0.3), (0.5, 0.7)), 1.4, 0.02
 SHARP, CORNER, AS_LITTLE = 0.2, 0.01, 1.001
-FIRM, ALONE, GIVING = 0.1, 0.1, 0.3
+FIRM, ALONE, GIVING, FLANKS = 0.1, 0.1, 0.3, 0.125
 WRAPPED, ASYMMETRIC = "wrapped", "driven asymmetric"
 ON, ODDS = "driven on", 6.0
 
@@ -127,7 +127,7 @@ class Friction(Term):
 
     def other_names(self, values: np.ndarray, around: Surroundings) -> tuple[str, ...]:
         """Play, where the corners are sharp: its flanks give way a little, too."""
-        return (Backlash.name,) if values[1] < SHARP * values[0] else ()
+        return (Backlash.name,) if values[1] < FLANKS * values[0] else ()
 
     def plainer(self, values: np.ndarray, shown: Shown) -> str:
         """Backlash where the corners are surely sharp, or far smaller than the loop is wide."""

@@ -3,6 +3,8 @@
 import numpy as np
 import pytest
 
+from pipeline.discrepancy.search.strung import rests_differ
+from pipeline.physics.motion import Motion
 from tests.discrepancy.made import diagnosed, followed, names, value_of
 
 NOISE, PARTS = 0.3, 20
@@ -70,3 +72,12 @@ def test_at_two_frequencies_no_walk_takes_the_place_of_both():
     result = diagnosed(followed(time_s, command, seen, 0.0))
     assert names(result) == {"friction", "creep"}
     assert value_of(result, "creep", "time_constant").value == pytest.approx(LATE_S, rel=0.3)
+
+
+@pytest.mark.parametrize(
+    ("stays", "step_s", "told"), [((1, 4), 3.0, True), ((1,), 3.0, False), ((1,), 0.2, True)]
+)
+def test_both_are_begun_at_once_only_where_rests_differ_or_are_short(stays, step_s, told):
+    drive = np.repeat(np.arange(40.0), np.resize(stays, 40))
+    motion = Motion(drive, step_s * np.arange(len(drive)), np.zeros(len(drive), dtype=np.int64))
+    assert rests_differ(motion) == told

@@ -8,7 +8,7 @@ import pytest
 from pipeline.physics.contact import Contact
 from pipeline.physics.friction import Friction
 from pipeline.physics.kinematics import IdentityCurve
-from pipeline.physics.loaded_wire import LoadedWire, rests_differ
+from pipeline.physics.loaded_wire import LoadedWire
 from pipeline.physics.mechanism import Mechanism
 from pipeline.physics.motion import Motion
 from pipeline.physics.piece import Piece
@@ -90,15 +90,6 @@ def test_it_goes_on_where_it_was(step_s):
         part, state = mechanism.respond(motion.rows(slice(begin, end)), state)
         parts.append(part)
     np.testing.assert_allclose(np.concatenate(parts), whole, atol=1e-9)
-
-
-def test_it_is_looked_for_where_rests_differ_or_are_short():
-    around = Surroundings(dwell_s=3.0)
-    drive = np.repeat(np.arange(40.0), np.tile([1, 4], 20))
-    motion = Motion(drive, 3.0 * np.arange(len(drive)), np.zeros(len(drive), dtype=int))
-    assert rests_differ(motion, around)
-    assert not rests_differ(motion_of(3.0), around)
-    assert rests_differ(motion_of(0.2), Surroundings(dwell_s=0.2))
 
 
 def test_a_joint_that_nothing_holds_stays_finite():

@@ -29,7 +29,6 @@ from pipeline.discrepancy.judgement.verdict import (
     beside_a_rest,
     fewer,
     follows,
-    leaves_much,
     sure_of_slow,
     told_but_for_its_form,
     unless_nothing,
@@ -45,7 +44,7 @@ from pipeline.discrepancy.search.accuracy import (
 from pipeline.discrepancy.search.disguise import undisguised
 from pipeline.discrepancy.search.explain import Explanation
 from pipeline.discrepancy.search.foretold import foretold_part, testable
-from pipeline.discrepancy.search.weighing import Choice, names, piled
+from pipeline.discrepancy.search.weighing import Choice, names
 from pipeline.physics.drift import Drift
 
 SMOOTHLY = "slow changes, smoother than noise, which are no wander of the zero"

@@ -22,6 +22,7 @@ from pipeline.number_words import worded
 from pipeline.physics.catalogue import term
 from pipeline.physics.frame_lag import FrameLag
 from pipeline.physics.held import STEP_AND_WAIT_S
+from pipeline.physics.off_centre_ripple import OffCentreRipple
 
 FRAME_LAG = FrameLag.name
 FEWEST, FEWEST_FAR = 3, 2
@@ -214,13 +215,16 @@ def late_by(explanation: Explanation, choice: Choice) -> LateFrames:
 def incredible(explanation: Explanation) -> np.ndarray:
     """Training rows (n,) that are off by more than the noise at their angle makes credible.
 
-    Those while a shaft slips and those of an earlier pose are none.
+    Those while a shaft slips, those of an earlier pose and those at the edge of a stair are none.
     """
     problem, fit = explanation.problem, explanation.choices[0].fit
     rows = problem.train & explanation.outliers & ~undated(fit, problem.motion.time_s)
     rows &= ~late_by(explanation, explanation.choices[0]).aside
     off = errors_of(explanation)
     rows &= ~slipping(problem, explanation.choices[0], off)
+    for piece in fit.pieces:
+        if isinstance(piece.term, OffCentreRipple):
+            rows &= ~piece.term.at_edge(problem.motion.drive, piece.values)
     usual = fit.ground.noise.deviation * loudness(off, fit.predicted, problem.train)
     return np.asarray(rows & (np.abs(off) > INCREDIBLE * usual))
 

@@ -67,8 +67,9 @@ class Problem:
     the simulation surely has beside its curve (a lag, play, ...), see `course.py`. levels: of a
     sensor that reads in such. read: the measurement as it was read, where what readings are off by
     was taken off, see `levels.py`. coursed, traced: the same where the little that the simulation
-    does beside its curve is a course of its own, and with its trace as drive. elsewhere: the same where the simulation's own friction, which
-    may be at its drive or at its joint, is at the other place.
+    does beside its curve is a course of its own, and with its trace as drive. elsewhere: the same
+    where the simulation's own friction, which may be at its drive or at its joint, is at the other
+    place.
     """
 
     motion: Motion
@@ -178,9 +179,10 @@ def pose_problem(
 ) -> Problem:
     """What is to be explained: `measurement`, given a simulation of it (n,).
 
-    taken_as: what drives, see `driven_by`. Raises DiagnosisError where there is too little to judge.
+    taken_as: what drives, see `driven_by`. Raises DiagnosisError where there is too little to
+    judge.
     """
-    came = recording.values(measurement)
+    came, given = recording.values(measurement), simulated
     stale = stale_samples(came, simulated)
     if not stale.rows.any():
         stale = replace(stale, hung=hung_samples(came, simulated))
@@ -202,17 +204,13 @@ def pose_problem(
         driven = driven_by(recording, measurement, simulated)
     motion, curve, drive, static, course = driven
     counted = rough = own = 0.0
-    loop = trace = None
+    beside = False
     if course is not None:
         measured = measured - (simulated - course.reproduced)
         simulated = np.where(np.isfinite(simulated), course.reproduced, np.nan)
     elif static:
         found, stays = beside_curve(motion, curve, simulated, np.where(train, measured, np.nan))
-        if found.any() and replaced is None:
-            loop, trace = (
-                pose_problem(config, recording, measurement, simulated, other)
-                for other in (ITS_COURSE, ITS_TRACE)
-            )
+        beside = bool(found.any()) and replaced is None
         if stays:
             measured, simulated, own = measured - found, simulated - found, float(np.std(found))
         motion, curve, counted, rough = smoothed(motion, curve, measured, simulated, train)
@@ -230,12 +228,22 @@ def pose_problem(
         drive, static, counted=counted, rough=rough, stale=stale, replaced=replaced,
         unsettled=int(unsettled.sum()), own=own,
         course=None if course is None else course.own,
-        levels=levels_read(came, measured), traced=trace,
-        coursed=None if loop is None or loop.course is None else replace(loop, traced=trace),
+        levels=levels_read(came, measured),
     )  # fmt: skip
+    if beside:
+        course_of_it, trace = (
+            pose_problem(config, recording, measurement, given, other)
+            for other in (ITS_COURSE, ITS_TRACE)
+        )
+        return replace(posed, coursed=with_trace(course_of_it, trace), traced=trace)
     if course is None or course.otherwise is None:
         return posed
     return replace(posed, elsewhere=rubbing_elsewhere(posed, course, course.otherwise, bent))
+
+
+def with_trace(coursed: Problem, trace: Problem) -> Problem | None:
+    """A problem of a simulation with a course of its own, if it has one, its trace beside it."""
+    return None if coursed.course is None else replace(coursed, traced=trace)
 
 
 def rubbing_elsewhere(posed: Problem, course: Course, other: Course, bent: bool) -> Problem:
