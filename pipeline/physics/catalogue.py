@@ -46,6 +46,7 @@ from pipeline.physics.recurring_slip import RecurringSlip
 from pipeline.physics.response_lag import LOADED, RUNNING, ResponseLag
 from pipeline.physics.rubbing_wire import RUBBING
 from pipeline.physics.running_clock import RunningClock
+from pipeline.physics.saw_ripple import SawRipple
 from pipeline.physics.second_order_lag import SecondOrderLag, swinging_as
 from pipeline.physics.settling_drift import SettlingDrift
 from pipeline.physics.sheath_force import SheathForce
@@ -115,16 +116,17 @@ SKIPS = tuple(
     LostSteps(f"{times}{place}") for times in ("thrice", "fourfold") for place in ("", *BEHIND)
 )
 UNEVEN = (SofterSide("upper"), SofterSide("lower"))
-OFF_CENTRE, TWO = OffCentreRipple(), TwoRipples()
+OFF_CENTRE, TWO, SAW = OffCentreRipple(), TwoRipples(), SawRipple()
 RIPPLES = {
     "first": (TWO, SwellingRipple(), OFF_CENTRE),
     "first afloat": (TWO, SwellingRipple(), OFF_CENTRE),
     "second": (TWO,),
     "second afloat": (TWO,),
     "third afloat": (TWO,),
+    OFF_CENTRE.form: (SAW,),
 }
 """What is no ripple of one period and its overtones, by the forms that it grows from."""
-EDGED_WAVES, NEARLY_SAW = ("both afloat", "all afloat"), 0.95
+MANY_WAVES = ("both afloat", "all afloat")
 
 
 def terms(other_commands: Iterable[str] = ()) -> tuple[Term, ...]:
@@ -281,8 +283,8 @@ def instead(term: Term, values: np.ndarray, motion: Motion, around: Surroundings
         told += [[(Friction(), np.array([width, part * width, 0.7]))] for part in RUBS]
     if named.get("period", 0.0) > ONE_WAVE * around.drive_span and term.periodic:
         told += [[(t, v)] for t in (RISING, BENDING) for v in t.candidates(motion, around)]
-    if term.form in EDGED_WAVES:
-        told += [[(OFF_CENTRE, np.append(values[:3], NEARLY_SAW))]]
+    if term.form in MANY_WAVES:
+        told += [[(SAW, values[:3])]]
     lag_s = named.get("lag" if term.form in OF_TIME else "time_constant", 0.0)
     if term.group == "lag" and lag_s > 0.0:
         told += swinging_as(lag_s) if around.dwell_s < STEP_AND_WAIT_S else []

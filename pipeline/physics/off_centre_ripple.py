@@ -11,9 +11,7 @@ from pipeline.physics.tabled import waved
 from pipeline.physics.term import NO_STATE, Parameter, Surroundings, Told
 from pipeline.physics.transmission_ripple import EDGES, TransmissionRipple
 
-FARTHEST, CENTRED, EDGED = 0.998, 1e-6, 0.6
-FLAT, EVENLY, AT_EDGE = 0.95, 0.15, 0.02
-STAIRS = "stairs of one size, flat between their edges, as of a coarse count"
+FARTHEST, CENTRED, EDGED = 0.9, 1e-6, 0.6
 TEETH = TransmissionRipple("both afloat")
 
 
@@ -34,9 +32,7 @@ class OffCentreRipple(TransmissionRipple):
 
     e is how far off it turns over its radius; where it is 0 that is a plain wave. Its harmonics are
     amplitude e^(k - 1) / k sin(k a). Where it is EDGED the wave has an edge, which the drive meets
-    three times, as of teeth that seat, or it is no ripple. At e = 1 it is a saw; one that takes
-    back all that the drive runs on makes stairs, as of a count: no name says so. Source: law of
-    sines; as of one ripple.
+    three times, as of teeth that seat, or it is no ripple. Source: law of sines; as of one ripple.
     """
 
     form = "eccentric afloat"
@@ -60,17 +56,6 @@ class OffCentreRipple(TransmissionRipple):
 
     def slight(self, values: np.ndarray, around: Surroundings) -> bool:
         return bool(abs(values[3]) > EDGED and around.drive_span < EDGES * values[1])
-
-    def beyond_at(self, values: np.ndarray, around: Surroundings) -> str:
-        amplitude, period, _, off = values
-        taken_back = np.pi * amplitude / (max(off, CENTRED) * period)
-        return STAIRS if off > FLAT and abs(taken_back - 1.0) < EVENLY else ""
-
-    def at_edge(self, drive: np.ndarray, values: np.ndarray) -> np.ndarray:
-        """Where a drive (n,) is so near to an edge of a saw that it may be on either side of it."""
-        _, period, phase, off = values
-        turns = drive / period + phase / (2.0 * np.pi)
-        return np.asarray((off > FLAT) & (np.abs(turns - np.round(turns)) < AT_EDGE))
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
         return np.array([[*r, e] for r in self.plain_waves(around) for e in (-0.3, 0.3)])

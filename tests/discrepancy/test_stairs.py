@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from pipeline.physics.off_centre_ripple import STAIRS, OffCentreRipple
+from pipeline.physics.motion import Motion
+from pipeline.physics.saw_ripple import STAIRS, SawRipple
 from pipeline.physics.term import Surroundings
 from tests.discrepancy.made import diagnosed, followed, names
 
@@ -30,16 +31,18 @@ def test_it_is_followed(found):
     assert found.diagnoses[0].before.train_rmse > 6.0 * NOISE
 
 
-@pytest.mark.parametrize(
-    ("amplitude", "off", "says"),
-    [
-        (STEP / np.pi, 0.99, STAIRS),
-        (STEP / np.pi, 0.8, ""),
-        (0.5 * STEP / np.pi, 0.99, ""),
-        (STEP / np.pi, -0.99, ""),
-    ],
-    ids=["stairs", "rounded", "not flat", "the other way"],
-)
-def test_only_stairs_are_more_than_a_ripple(amplitude, off, says):
-    values = np.array([amplitude, STEP, 0.3, off])
-    assert OffCentreRipple().beyond_at(values, AROUND) == says
+@pytest.mark.parametrize(("share", "says"), [(1.0, STAIRS), (0.8, ""), (1.2, "")])
+def test_only_stairs_are_more_than_a_ripple(share, says):
+    values = np.array([share * STEP / np.pi, STEP, 0.3])
+    assert SawRipple().beyond_at(values, AROUND) == says
+
+
+def test_between_two_edges_stairs_are_flat_and_at_these_nothing_is_told():
+    stairs, values = SawRipple(), np.array([STEP / np.pi, STEP, 0.0])
+    drive = np.linspace(0.05 * STEP, 0.95 * STEP, 50)
+    motion = Motion(drive, np.arange(50.0), np.zeros(50, dtype=np.int64))
+    np.testing.assert_allclose(
+        stairs.respond(drive, motion, values, None)[0], 0.5 * STEP, rtol=0.01
+    )
+    assert not stairs.at_edge(drive, values).any()
+    assert stairs.at_edge(np.array([-0.01, 0.0, 0.01, 0.99]) * STEP, values).all()

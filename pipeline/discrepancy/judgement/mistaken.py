@@ -22,7 +22,7 @@ from pipeline.number_words import worded
 from pipeline.physics.catalogue import term
 from pipeline.physics.frame_lag import FrameLag
 from pipeline.physics.held import STEP_AND_WAIT_S
-from pipeline.physics.off_centre_ripple import OffCentreRipple
+from pipeline.physics.saw_ripple import SawRipple
 
 FRAME_LAG = FrameLag.name
 FEWEST, FEWEST_FAR = 3, 2
@@ -223,7 +223,7 @@ def incredible(explanation: Explanation) -> np.ndarray:
     off = errors_of(explanation)
     rows &= ~slipping(problem, explanation.choices[0], off)
     for piece in fit.pieces:
-        if isinstance(piece.term, OffCentreRipple):
+        if isinstance(piece.term, SawRipple):
             rows &= ~piece.term.at_edge(problem.motion.drive, piece.values)
     usual = fit.ground.noise.deviation * loudness(off, fit.predicted, problem.train)
     return np.asarray(rows & (np.abs(off) > INCREDIBLE * usual))
