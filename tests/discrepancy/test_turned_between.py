@@ -44,3 +44,5 @@ def test_all_of_them_have_to_stand_off_outwards_at_a_turn():
     assert not turned_between(drive, -off, rows, train)
     elsewhere = np.roll(rows, 4)
     assert not turned_between(drive, np.roll(off, 4), elsewhere, train)
+    several = rows | np.isin(np.arange(400), [101, 141, 181, 221, 261])
+    assert not turned_between(drive, np.where(several, off + (off == 0.0), off), several, train)

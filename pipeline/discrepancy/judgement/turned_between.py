@@ -7,7 +7,7 @@ CHANCE, SHARP = 0.01, 0.3
 
 
 def turned_between(drive: np.ndarray, off: np.ndarray, rows: np.ndarray, train: np.ndarray) -> bool:
-    """Whether rows (n,), a mask, stand off (n,) outwards at turns of a drive, hardly by chance.
+    """Whether most rows (n,), a mask, stand off (n,) outwards at turns of a drive, not by chance.
 
     A drive that is sampled seldom turns, sets out and stops between two samples: what follows it
     has seen more of its way than is recorded, and is farther out than a straight way between the
@@ -20,6 +20,6 @@ def turned_between(drive: np.ndarray, off: np.ndarray, rows: np.ndarray, train: 
     turns = np.abs(sharpest) > SHARP * np.quantile(np.abs(np.diff(drive)), 0.9)
     outward = turns & (off * sharpest < 0.0)
     count, found = int(rows.sum()), int(np.sum(outward & rows))
-    if found == 0:
+    if 2 * found <= count:
         return False
     return bool(bdtrc(found - 1, count, 0.5 * float(np.mean(turns[train]))) < CHANCE)
