@@ -27,8 +27,10 @@ from pipeline.discrepancy.judgement.structure import (
 )
 from pipeline.discrepancy.judgement.verdict import (
     beside_a_rest,
+    earning,
     fewer,
     follows,
+    leaves_much,
     sure_of_slow,
     told_but_for_its_form,
     unless_nothing,
@@ -44,7 +46,7 @@ from pipeline.discrepancy.search.accuracy import (
 from pipeline.discrepancy.search.disguise import undisguised
 from pipeline.discrepancy.search.explain import Explanation
 from pipeline.discrepancy.search.foretold import foretold_part, testable
-from pipeline.discrepancy.search.weighing import Choice, names
+from pipeline.discrepancy.search.weighing import Choice, names, piled
 from pipeline.physics.drift import Drift
 
 SMOOTHLY = "slow changes, smoother than noise, which are no wander of the zero"
@@ -203,7 +205,7 @@ def without_repeats(
     A small rest is the form of the names before any of them goes; held-out rows that refute the
     names as they are do so whatever is left. As many names as a search takes that leave a rest
     foretell later rows, too: they follow the shape of something else, and so do several names that
-    leave much of the mismatch.
+    leave much of the mismatch. Of others each has to explain more than is left.
     """
     if structure.found and sound:
         structure = told_but_for_its_form(explanation, best, structure)
@@ -213,5 +215,8 @@ def without_repeats(
             structure = told_but_for_its_form(explanation, best, structure)
     rest = structure.share * mismatch_variance(explanation)
     kept = foretold_part(explanation.choices, best, rest) if structure.found else best
-    several = structure.found and len(names(kept)) > 1
-    return beside_a_rest(explanation, kept, rest) if several else kept, structure
+    if not structure.found:
+        return kept, structure
+    mops_up = piled(kept) or leaves_much(explanation, kept)
+    earns = beside_a_rest if mops_up else earning
+    return earns(explanation, kept, rest), structure

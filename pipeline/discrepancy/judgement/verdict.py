@@ -23,7 +23,7 @@ from pipeline.discrepancy.search.pressed import plainer
 from pipeline.discrepancy.search.weighing import Choice, names, piled, wanders
 from pipeline.physics.drift import Drift
 
-ENOUGH = 0.7
+ENOUGH, TWICE = 0.7, 2.0
 MOST_LEFT = 0.1
 PLAINLY, PLAINLY_OF_PILE = 4.0, 8.0
 UNFOLLOWED = 0.7
@@ -181,6 +181,23 @@ def beside_a_rest(explanation: Explanation, choice: Choice, sure: float) -> Choi
     plainly = asked_of(explanation, choice, noise)
     told = plainly_told(explanation, choice, noise, plainly, sure)
     return told if told.fit.pieces and not piled(told) else one_at_most(explanation, choice)
+
+
+def earning(explanation: Explanation, choice: Choice, sure: float) -> Choice:
+    """Names that each explain at least TWICE what they leave together (mean squares), or one.
+
+    That is what is beyond the noise, the structure that shows in it, and what is `sure`. The one
+    that explains least goes first.
+    """
+    fit, noise = choice.fit, explanation.prior.model.deviation**2
+    if len(names(choice)) < 2:
+        return choice
+    needed = max(fit.mean_square - noise, rest_of(choice, explanation) ** 2, sure)
+    without = [improve(evaluate(fit.ground, fit.but_for(name))) for name in sorted(names(choice))]
+    least = min(without, key=lambda other: other.mean_square)
+    if least.mean_square - fit.mean_square >= TWICE * needed:
+        return choice
+    return earning(explanation, replace(choice, fit=least), sure)
 
 
 def one_at_most(explanation: Explanation, choice: Choice) -> Choice:
