@@ -22,10 +22,11 @@ TRIED, FEW, CLEARLY = 12, 2, 2.0
 def explained(problem: Problem) -> tuple[Problem, Explanation]:
     """The problem of an angle as it suits its explanation best, and that.
 
-    Where the simulation does a little beside its curve, its trace may drive as well, a lag of its
-    own may come before the joint or behind it, and friction of its own be at the joint or at the
-    drive: what explains the rest better says it. What readings in levels are off on average is
-    known once what they should have read is; then it is taken off them.
+    Where the simulation does a little beside its curve, that may be a course of its own, or its
+    trace may drive as well, a lag of its own may come before the joint or behind it, and friction
+    of its own be at the joint or at the drive: what explains the rest better says it. What readings
+    in levels are off on average is known once what they should have read is; then it is taken off
+    them.
     """
     explanation = explain(thinned(problem)[0])
     for otherwise in (on_its_course, otherwise_simulated, otherwise_moved):

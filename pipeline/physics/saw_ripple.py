@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from pipeline.number_words import worded
 from pipeline.physics.motion import Motion
 from pipeline.physics.off_centre_ripple import OffCentreRipple
 from pipeline.physics.term import Parameter, Surroundings, Told
@@ -40,6 +41,13 @@ class SawRipple(OffCentreRipple):
     def beyond_at(self, values: np.ndarray, around: Surroundings) -> str:
         amplitude, period, _ = values
         return STAIRS if abs(np.pi * amplitude / period - 1.0) < EVENLY else ""
+
+    def sentence(self, values: np.ndarray, around: Surroundings) -> str:
+        unit, (amplitude, period, _) = around.drive_unit, values
+        if self.beyond_at(values, around):
+            return f"The drive comes in stairs of {worded(period)} {unit}, as of a coarse count."
+        falls = f"by {worded(np.pi * amplitude)} {unit}"
+        return f"The drive leaps ahead {falls} and falls back, every {worded(period)} {unit} anew."
 
     def at_edge(self, drive: np.ndarray, values: np.ndarray) -> np.ndarray:
         """Where a drive (n,) is so near to an edge that it may be on either side of it."""

@@ -46,3 +46,9 @@ def test_between_two_edges_stairs_are_flat_and_at_these_nothing_is_told():
     )
     assert not stairs.at_edge(drive, values).any()
     assert stairs.at_edge(np.array([-0.01, 0.0, 0.01, 0.99]) * STEP, values).all()
+
+
+def test_stairs_and_a_saw_are_told_in_plain_words():
+    saw = SawRipple()
+    assert "stairs of 3 deg" in saw.sentence(np.array([STEP / np.pi, STEP, 0.3]), AROUND)
+    assert "leaps ahead by 1 deg" in saw.sentence(np.array([1.0 / np.pi, STEP, 0.3]), AROUND)

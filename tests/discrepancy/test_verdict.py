@@ -5,9 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pipeline.discrepancy.fitting.fit import evaluate
+from pipeline.discrepancy.fitting.fit import evaluate, improve
 from pipeline.discrepancy.judgement.structure import Structure
 from pipeline.discrepancy.judgement.verdict import (
+    earning,
     least_lead,
     sure_of_slow,
     told_but_for_its_form,
@@ -143,3 +144,22 @@ def test_a_drift_alone_is_told_in_place_of_a_walk_at_lower_odds_than_other_names
     walk = Choice(evaluate(ground, []), place, 0.0)
     lead = least_lead(explanation_of([drift, walk], repeats=repeats), drift, walk)
     assert lead == pytest.approx(2.0 * np.log(odds))
+
+
+@pytest.mark.parametrize(("over_ripple", "kept"), [(0.4, True), (0.6, False), (90.0, False)])
+def test_beside_a_rest_a_name_has_to_explain_twice_of_it_but_the_last_one_stays(
+    over_ripple: float, kept: bool
+) -> None:
+    """over_ripple: the mean square of the rest over what the ripple explains."""
+    ripple = {"amplitude": 0.6, "period": 30.0, "phase": 1.0}
+    beside = explained(
+        recorded({"backlash": {"width": 4.0}, "transmission_ripple": ripple}, noise=0.02)
+    )
+    wave = Piece(term("transmission_ripple"), np.array(list(ripple.values())))
+    ground = beside.choices[0].fit.ground
+    both = Choice(improve(evaluate(ground, (PLAY, wave))), STILL, 0.0)
+    alone = improve(evaluate(ground, (both.fit.pieces[0],)))
+    explains = alone.mean_square - both.fit.mean_square
+    told = names(earning(beside, both, over_ripple * explains))
+    assert "backlash" in told
+    assert ("transmission_ripple" in told) == kept

@@ -205,7 +205,7 @@ def without_repeats(
     A small rest is the form of the names before any of them goes; held-out rows that refute the
     names as they are do so whatever is left. As many names as a search takes that leave a rest
     foretell later rows, too: they follow the shape of something else, and so do several names that
-    leave much of the mismatch. Of others each has to explain more than is left.
+    leave much of the mismatch. Of others each has to explain twice what they leave.
     """
     if structure.found and sound:
         structure = told_but_for_its_form(explanation, best, structure)
@@ -213,10 +213,10 @@ def without_repeats(
         structure = disproved(problem, explanation, best, predicted_by(problem, best), structure)
         if structure.wandering is not None:
             structure = told_but_for_its_form(explanation, best, structure)
-    rest = structure.share * mismatch_variance(explanation)
-    kept = foretold_part(explanation.choices, best, rest) if structure.found else best
     if not structure.found:
-        return kept, structure
+        return best, structure
+    rest = structure.share * mismatch_variance(explanation)
+    kept = foretold_part(explanation.choices, best, rest)
     mops_up = piled(kept) or leaves_much(explanation, kept)
     earns = beside_a_rest if mops_up else earning
     return earns(explanation, kept, rest), structure
