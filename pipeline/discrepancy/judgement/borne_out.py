@@ -1,10 +1,7 @@
 """Names that held-out rows bear out: not one without which they are foretold far better."""
 
-from dataclasses import replace
-
 import numpy as np
 
-from pipeline.discrepancy.fitting.fit import evaluate, improve
 from pipeline.discrepancy.judgement.proof import within
 from pipeline.discrepancy.judgement.rivals import predicted_by
 from pipeline.discrepancy.judgement.slipped_again import slipped_again
@@ -70,5 +67,4 @@ def without(explanation: Explanation, choice: Choice, name: str) -> Choice:
     found = [c for c in explanation.choices if names(c) == names(choice) - {name}]
     if found:
         return min(found, key=lambda c: c.score)
-    rest = choice.fit.but_for(name)
-    return replace(choice, fit=improve(evaluate(choice.fit.ground, rest)))
+    return choice.but_for(name)

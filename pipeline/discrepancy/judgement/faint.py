@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from pipeline.discrepancy.fitting.fit import evaluate, improve
 from pipeline.discrepancy.judgement.structure import structure_of
 from pipeline.discrepancy.judgement.verdict import mean_square
 from pipeline.discrepancy.search.explain import Explanation
@@ -59,8 +58,7 @@ def firm(explanation: Explanation, choice: Choice) -> Choice:
     own = search.weighed(choice.fit, choice.place).score
     found: list[tuple[float, Choice]] = []
     for name in told if len(told) > 1 else ():
-        rest = choice.fit.but_for(name)
-        trial = replace(choice, fit=improve(evaluate(ground, rest)))
+        trial = choice.but_for(name)
         grew = mean_square(explanation, trial) - mean_square(explanation, choice)
         size = float(np.sqrt(max(grew, 0.0))) / ground.noise.deviation
         fewer = search.weighed(trial.fit, choice.place)

@@ -1,12 +1,10 @@
 """Names that explain so little of a mismatch that they are the form of the others."""
 
 from collections.abc import Mapping
-from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
-from pipeline.discrepancy.fitting.fit import evaluate, improve
 from pipeline.discrepancy.judgement.verdict import mean_square
 from pipeline.discrepancy.judgement.walking_zero import walks_far
 from pipeline.discrepancy.problem.problem import Problem
@@ -66,8 +64,7 @@ def names_of_form(explanation: Explanation, best: Choice, beyond: bool = False) 
         formal = []
         left_now = mean_square(explanation, told)
         for name in named(told):
-            fit = improve(evaluate(told.fit.ground, told.fit.but_for(name)))
-            trial = replace(told, fit=fit)
+            trial = told.but_for(name)
             left = mean_square(explanation, trial)
             own = max(left - left_now, 0.0)
             limits = [ANY] if beyond else limits_of(name, explanation.problem)
@@ -102,8 +99,7 @@ def faint_zero(explanation: Explanation, best: Choice) -> dict[str, float]:
     noise = best.fit.ground.noise.deviation * np.sqrt(blocks.size if blocks is not None else 1)
     before, found = mismatch_of(explanation, best), {}
     for name in best.fit.slow:
-        rest = best.fit.but_for(name)
-        trial = replace(best, fit=improve(evaluate(best.fit.ground, rest)))
+        trial = best.but_for(name)
         own = mean_square(explanation, trial) - mean_square(explanation, best)
         if own < (FAINT_ZERO * noise) ** 2:
             found[name] = float(np.sqrt(max(own, 0.0) / max(before, noise**2)))

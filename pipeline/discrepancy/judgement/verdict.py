@@ -193,11 +193,11 @@ def earning(explanation: Explanation, choice: Choice, sure: float) -> Choice:
     if len(names(choice)) < 2:
         return choice
     needed = max(fit.mean_square - noise, rest_of(choice, explanation) ** 2, sure)
-    without = [improve(evaluate(fit.ground, fit.but_for(name))) for name in sorted(names(choice))]
-    least = min(without, key=lambda other: other.mean_square)
-    if least.mean_square - fit.mean_square >= TWICE * needed:
+    without = [choice.but_for(name) for name in sorted(names(choice))]
+    least = min(without, key=lambda other: other.fit.mean_square)
+    if least.fit.mean_square - fit.mean_square >= TWICE * needed:
         return choice
-    return earning(explanation, replace(choice, fit=least), sure)
+    return earning(explanation, least, sure)
 
 
 def one_at_most(explanation: Explanation, choice: Choice) -> Choice:

@@ -231,19 +231,19 @@ def pose_problem(
         levels=levels_read(came, measured),
     )  # fmt: skip
     if beside:
-        course_of_it, trace = (
-            pose_problem(config, recording, measurement, given, other)
-            for other in (ITS_COURSE, ITS_TRACE)
-        )
-        return replace(posed, coursed=with_trace(course_of_it, trace), traced=trace)
+        taken = (ITS_COURSE, ITS_TRACE)
+        others = (pose_problem(config, recording, measurement, given, how) for how in taken)
+        return with_others(posed, *others)
     if course is None or course.otherwise is None:
         return posed
     return replace(posed, elsewhere=rubbing_elsewhere(posed, course, course.otherwise, bent))
 
 
-def with_trace(coursed: Problem, trace: Problem) -> Problem | None:
-    """A problem of a simulation with a course of its own, if it has one, its trace beside it."""
-    return None if coursed.course is None else replace(coursed, traced=trace)
+def with_others(posed: Problem, coursed: Problem, traced: Problem) -> Problem:
+    """A problem with its simulation taken as a course of its own, if it has one, and as a trace."""
+    if coursed.course is None:
+        return replace(posed, traced=traced)
+    return replace(posed, coursed=replace(coursed, traced=traced), traced=traced)
 
 
 def rubbing_elsewhere(posed: Problem, course: Course, other: Course, bent: bool) -> Problem:

@@ -91,10 +91,10 @@ def foretold_part(choices: Sequence[Choice], choice: Choice, rest: float) -> Cho
     parts = parts_of(choice.fit.ground)
     sure = sure_slips(choice, rest)
     if LostSteps.name in choice.fit.names and not sure:
-        choice = _without(choice, LostSteps.name)
+        choice = choice.but_for(LostSteps.name)
     left = error_ahead(choice, parts, sure) ** 2
     while others := [n for n in dict.fromkeys(choice.fit.names) if not sure or n != LostSteps.name]:
-        trials = [_without(choice, name) for name in others]
+        trials = [choice.but_for(name) for name in others]
         errors = [error_ahead(t, parts, sure) ** 2 for t in trials]
         k = int(np.argmin(errors))
         if errors[k] > (1.0 + NEEDED) * left:
@@ -113,11 +113,6 @@ def sure_slips(choice: Choice, rest: float) -> list[Piece]:
         return []
     without = improve(evaluate(choice.fit.ground, choice.fit.without(*slips)))
     return slips if without.mean_square - choice.fit.mean_square > FAR_MORE * rest else []
-
-
-def _without(choice: Choice, name: str) -> Choice:
-    rest = choice.fit.but_for(name)
-    return replace(choice, fit=improve(evaluate(choice.fit.ground, rest)))
 
 
 def called_for(ground: Ground, pieces: Sequence[Piece], sure: Sequence[Piece]) -> Fit:
