@@ -6,7 +6,8 @@ import numpy as np
 import pandas as pd
 
 from pipeline.config import DiagnosisConfig
-from pipeline.discrepancy.problem.problem import Problem, pose_problem
+from pipeline.discrepancy.problem.posing import pose_problem
+from pipeline.discrepancy.problem.problem import Problem
 from pipeline.models.baselines import (
     MODELS,
     TIMED_MODELS,

@@ -11,8 +11,8 @@ import numpy as np
 import pandas as pd
 
 from pipeline.config import HeldoutConfig, SimulatedAxis, SimulationConfig
+from pipeline.discrepancy.problem.counting import held_out_rows
 from pipeline.discrepancy.problem.line import FEWEST, line_in_a_command
-from pipeline.discrepancy.problem.problem import held_out_rows
 from pipeline.errors import LoopgapError, UsageError, refusal
 from pipeline.physics.assembly import pieces_of
 from pipeline.physics.force_motion import position_of

@@ -13,7 +13,8 @@ from pipeline.discrepancy.fitting.ground import Ground
 from pipeline.discrepancy.model.result import DiagnosisResult, Estimate
 from pipeline.discrepancy.noise.family import noise_family
 from pipeline.discrepancy.noise.learning import NoisePrior
-from pipeline.discrepancy.problem.problem import Problem, pose_problem
+from pipeline.discrepancy.problem.posing import pose_problem
+from pipeline.discrepancy.problem.problem import Problem
 from pipeline.discrepancy.search.explain import Explanation, explain
 from pipeline.discrepancy.search.weighing import Choice, Search
 from pipeline.physics.catalogue import term

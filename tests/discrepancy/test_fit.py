@@ -18,7 +18,7 @@ from pipeline.discrepancy.noise.learning import learn_noise
 from pipeline.discrepancy.noise.noise import NoiseModel
 from pipeline.discrepancy.problem.driven import static_misfit
 from pipeline.discrepancy.problem.outliers import alike, isolated, returning
-from pipeline.discrepancy.problem.problem import pose_problem
+from pipeline.discrepancy.problem.posing import pose_problem
 from pipeline.discrepancy.problem.thinning import sparser, thinned
 from pipeline.discrepancy.search.explain import explain
 from pipeline.discrepancy.search.weighing import Choice

@@ -13,7 +13,8 @@ from pipeline.discrepancy.fitting.ground import ground_of
 from pipeline.discrepancy.model.intervals import covariance_of
 from pipeline.discrepancy.model.result import Diagnosis
 from pipeline.discrepancy.noise.noise import NoiseModel
-from pipeline.discrepancy.problem.problem import Problem, pose_problem
+from pipeline.discrepancy.problem.posing import pose_problem
+from pipeline.discrepancy.problem.problem import Problem
 from pipeline.physics.catalogue import term
 from pipeline.physics.piece import Piece
 from pipeline.recording import Channel, Recording, with_context

@@ -9,7 +9,7 @@ import pytest
 from pipeline.config import DiagnosisConfig
 from pipeline.discrepancy.judgement.calibration_note import calibration_note
 from pipeline.discrepancy.judgement.notes import doubled_note, nearer_note, other_simulations_note
-from pipeline.discrepancy.problem.problem import pose_problem
+from pipeline.discrepancy.problem.posing import pose_problem
 from pipeline.recording import Channel, Recording, with_context
 
 CHANNELS = (

@@ -18,7 +18,8 @@ from pipeline.discrepancy.judgement.proof import (
     taken_for_a_walk,
 )
 from pipeline.discrepancy.noise.noise import NoiseModel
-from pipeline.discrepancy.problem.problem import Problem, pose_problem
+from pipeline.discrepancy.problem.posing import pose_problem
+from pipeline.discrepancy.problem.problem import Problem
 from pipeline.discrepancy.search.weighing import Choice
 from pipeline.physics.catalogue import term
 from pipeline.physics.piece import Piece

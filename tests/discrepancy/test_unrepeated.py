@@ -13,7 +13,8 @@ from pipeline.discrepancy.judgement.structure import Structure
 from pipeline.discrepancy.noise.family import noise_family
 from pipeline.discrepancy.noise.learning import NoisePrior
 from pipeline.discrepancy.noise.noise import NoiseModel
-from pipeline.discrepancy.problem.problem import Problem, pose_problem
+from pipeline.discrepancy.problem.posing import pose_problem
+from pipeline.discrepancy.problem.problem import Problem
 from pipeline.discrepancy.search.explain import explain
 from pipeline.discrepancy.search.foretold import (
     errors_ahead,
