@@ -44,7 +44,7 @@ def realise(case: Case) -> Realised:
     n = int(recorded.sum())
     measured, flagged = np.full(len(clean), np.nan), np.zeros(len(clean), dtype=bool)
     measured[:n], flagged[:n] = _measured(case, clean[:n], case.motion.cycle[:n], stream=1)
-    simulated = case.nominal.angle_deg(case.motion.pitch_deg)
+    simulated = case.simulated_deg(case.motion)
     return Realised(simulated, clean, measured, flagged, recorded)
 
 
@@ -88,9 +88,7 @@ def follow_up(case: Case, commands: pd.DataFrame) -> Recording:
     clean = clean_deg(case, motion)
     before, _ = _measured(case, clean[:n], motion.cycle[:n], stream=1)
     after, _ = _measured(case, clean[n:], motion.cycle[n:] - RECORDED_CYCLES, stream=4)
-    table = _table(
-        motion, np.concatenate([before, after]), case.nominal.angle_deg(motion.pitch_deg)
-    )
+    table = _table(motion, np.concatenate([before, after]), case.simulated_deg(motion))
     return Recording(table, CHANNELS, SOURCE)
 
 

@@ -7,8 +7,9 @@ to the joint where another one softens its wires. So is what has no single value
 time constants, friction that grows with the angle).
 """
 
-from pipeline.concealed.draw import BENDS, Case, Hidden
+from pipeline.concealed.draw import Case, Hidden
 from pipeline.concealed.motions import MOVE_S, RECORDED_CYCLES
+from pipeline.concealed.names import BENDS
 
 Quantity = dict[str, str | float]
 PLAIN_INTERVAL_S = MOVE_S + 3.0

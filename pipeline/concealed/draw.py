@@ -1,6 +1,6 @@
 """Seeded random cases: which effects hide in them, how large, under what noise."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -13,6 +13,15 @@ from pipeline.concealed.motions import (
     plain_motion,
     rich_motion,
 )
+from pipeline.concealed.names import (
+    BENDS,
+    EXCITATIONS,
+    KINDS,
+    KINKS,
+    first_names,
+    further_names,
+    known_names,
+)
 from pipeline.concealed.noise import Noise
 from pipeline.concealed.outside import OUTSIDE
 from pipeline.concealed.plant import Nominal, Plant, respond
@@ -22,22 +31,7 @@ SMALLEST, LARGEST = 0.7, 10.0
 SMALLEST_OUTSIDE = 2.0
 SMALLEST_BEYOND = 1.0
 SMALLEST_OF_SMALL = 0.03
-EFFECTS_OF = {"none": 0, "walk": 0, "one": 1, "two": 2, "three": 3, "small": 1}
-KINDS = (*EFFECTS_OF, "outside")
-EXCITATIONS = ("plain", "rich")
-BENDS = frozenset({"compliance", "gravity", "camera_tilt", "lens_distortion"})
-KINKS = frozenset({"slack", "contact", "end_stop"})
-EXCLUSIVE = (
-    BENDS | {"slack"},
-    frozenset({"contact", "end_stop"}),
-    frozenset({"backlash", "friction", "tension_loss"}),
-    frozenset({"lost_steps", "drift"}),
-    frozenset({"creep", "response_lag", "frame_lag"}),
-)
-EXCLUSIVE_PLAIN = (
-    frozenset({"backlash", "friction", "tension_loss", "creep", "response_lag", "frame_lag"}),
-)
-OUTSIDE_PLAIN = tuple(name for name in OUTSIDE if name != "step_resonance")
+SMALLEST_KNOWN = 1.0
 
 
 @dataclass(frozen=True)
@@ -56,13 +50,17 @@ class Hidden:
 
 @dataclass(frozen=True)
 class Case:
-    """Everything that makes one concealed recording."""
+    """Everything that makes one concealed recording.
+
+    `known` is what the simulation has as well, so that it runs a loop of its own.
+    """
 
     name: str
     kind: str
     excitation: str
     motion: Motion
     nominal: Nominal
+    known: tuple[Hidden, ...]
     hidden: tuple[Hidden, ...]
     noise: Noise
     gain_error: float
@@ -74,55 +72,45 @@ class Case:
 
     def plant(self) -> Plant:
         """The plant with all that is hidden."""
-        plant = Plant(nominal=self.nominal, homing_deg=self.homing_deg)
-        for hidden in self.hidden:
-            plant = place(plant, hidden.effect, hidden.size)
-        return plant
+        return with_effects(self.bare(), self.hidden)
+
+    def bare(self) -> Plant:
+        """The plant with no more than the simulation knows."""
+        return with_effects(Plant(nominal=self.nominal, homing_deg=self.homing_deg), self.known)
+
+    def simulated_deg(self, motion: Motion) -> np.ndarray:
+        """What the simulation says [deg], (n,): it begins at rest, at home."""
+        if not self.known:
+            return self.nominal.angle_deg(motion.pitch_deg)
+        return respond(replace(self.bare(), homing_deg=0.0), motion)
+
+
+def with_effects(plant: Plant, effects: Iterable[Hidden]) -> Plant:
+    """The plant with some effects at their sizes."""
+    for hidden in effects:
+        plant = place(plant, hidden.effect, hidden.size)
+    return plant
 
 
 def draw_cases(seed: int, counts: Mapping[str, int]) -> list[Case]:
     """As many cases of each kind (`KINDS`) as asked, half of them plain; the same for a seed.
 
     `none` hides nothing, `walk` nothing but a zero that walks at random, `small` one effect below
-    what a diagnosis must find, `outside` one for which the catalogue has no name.
+    what a diagnosis must find, `outside` one for which the catalogue has no name. Of `known_none`
+    and `known_one` the simulation has an effect itself.
     Kinds and excitations are mixed in the list, so that a name tells nothing.
     """
     wanted = [(k, EXCITATIONS[i % 2]) for k in KINDS for i in range(counts.get(k, 0))]
     rng = np.random.default_rng(seed)
     order = rng.permutation(len(wanted))
     seeds = rng.integers(1, 2**62, size=len(wanted))
-    turns = _turns(rng, wanted)
+    turns = first_names(rng, wanted)
     cases: list[Case] = []
     for number, index in enumerate(order):
         kind, excitation = wanted[index]
         name = f"case-{number:03d}"
         cases.append(draw_case(int(seeds[index]), name, kind, excitation, turns[index]))
     return cases
-
-
-def _turns(rng: np.random.Generator, wanted: list[tuple[str, str]]) -> list[str | None]:
-    """First effect of each case: all names come equally often in each kind and excitation."""
-    queues: dict[tuple[str, str], list[str]] = {}
-    turns: list[str | None] = []
-    for kind, excitation in wanted:
-        queue = queues.setdefault((kind, excitation), [])
-        if not queue:
-            names = _first_names(kind, excitation)
-            queue.extend(str(name) for name in rng.permutation(names))
-        turns.append(queue.pop() if kind == "outside" or EFFECTS_OF[kind] else None)
-    return turns
-
-
-def candidates(excitation: str) -> list[str]:
-    """Names that a motion of this kind can show."""
-    names = [*CATALOGUE, "marker_outliers"]
-    return [name for name in names if excitation == "rich" or name != "coupling"]
-
-
-def _first_names(kind: str, excitation: str) -> list[str]:
-    if kind == "outside":
-        return list(OUTSIDE if excitation == "rich" else OUTSIDE_PLAIN)
-    return [n for n in candidates(excitation) if kind != "small" or n != "marker_outliers"]
 
 
 def draw_case(seed: int, name: str, kind: str, excitation: str, first: str | None) -> Case:
@@ -140,29 +128,35 @@ def _try_case(rng: np.random.Generator, seed: int, name: str, kind: str, excitat
     nominal = Nominal(float(rng.uniform(0.66, 0.78)), float(rng.uniform(-3e-6, 5e-6)))
     homing = float(rng.choice([0.0, 0.0, rng.choice([-1.0, 1.0]) * rng.uniform(5.0, 30.0)]))
     plant = Plant(nominal=nominal, homing_deg=homing)
-    names = _names(rng, kind, excitation, first)
+    names = further_names(rng, kind, excitation, first)
     noise = _noise(rng, walk=kind == "walk")
     total = float(np.hypot(noise.sigma_deg, noise.jitter_deg))
     bend, tolerance = _bend(rng, kind, set(names))
-    hidden: list[Hidden] = []
-    for effect_name in names:
-        least, most = (total * bound for bound in _bounds(kind, effect_name))
-        if effect_name == "marker_outliers":
-            rms = float(np.exp(rng.uniform(np.log(least), np.log(most))))
-            noise = with_mistakes(rng, noise, rms)
-            hidden.append(Hidden(Effect(effect_name, {}, (), 1.0), 1.0, rms / total, rms / total))
-            continue
-        effect = _effect(rng, motion, plant, effect_name)
-        bends = _curve_is_free(effect_name, set(names), tolerance)
-        found = sized(effect, plant, motion.head(RECORDED_CYCLES), least, most, bends, rng)
+    known: list[Hidden] = []
+    for own in known_names(rng, kind, excitation, names):
+        found = _sized(rng, motion, plant, own, total, (SMALLEST_KNOWN, LARGEST), bends=False)
         if found is None:
             return None
-        hidden.append(Hidden(effect, found[0], found[1] / total, found[1] / total))
+        known.append(found)
+    plant = with_effects(plant, known)
+    hidden: list[Hidden] = []
+    for effect_name in names:
+        bounds = _bounds(kind, effect_name)
+        if effect_name == "marker_outliers":
+            over = float(np.exp(rng.uniform(*np.log(bounds))))
+            noise = with_mistakes(rng, noise, over * total)
+            hidden.append(Hidden(Effect(effect_name, {}, (), 1.0), 1.0, over, over))
+            continue
+        bends = _curve_is_free(effect_name, set(names), tolerance)
+        found = _sized(rng, motion, plant, effect_name, total, bounds, bends)
+        if found is None:
+            return None
+        hidden.append(found)
     case = Case(
         name=name, kind=kind, excitation=excitation, motion=motion, nominal=nominal,
-        hidden=tuple(hidden), noise=noise, gain_error=float(rng.uniform(-0.035, 0.035)),
-        offset_deg=float(rng.uniform(-1.6, 1.6)), bend_deg=bend, tolerance_shape_deg=tolerance,
-        homing_deg=homing, seed=seed,
+        known=tuple(known), hidden=tuple(hidden), noise=noise,
+        gain_error=float(rng.uniform(-0.035, 0.035)), offset_deg=float(rng.uniform(-1.6, 1.6)),
+        bend_deg=bend, tolerance_shape_deg=tolerance, homing_deg=homing, seed=seed,
     )  # fmt: skip
     case = _beside(case, total)
     if kind != "small" and any(h.beside_over_noise < SMALLEST for h in case.hidden):
@@ -170,6 +164,18 @@ def _try_case(rng: np.random.Generator, seed: int, name: str, kind: str, excitat
     if kind == "outside" and _beyond_over_noise(case, total) < SMALLEST_BEYOND:
         return None
     return case
+
+
+def _sized(rng: np.random.Generator, motion: Motion, plant: Plant, name: str, total_deg: float,
+           bounds: tuple[float, float], bends: bool) -> Hidden | None:  # fmt: skip
+    """An effect on a plant, its rms within bounds over the noise; None where it can't have any."""
+    effect = _effect(rng, motion, plant, name)
+    least, most = (total_deg * bound for bound in bounds)
+    found = sized(effect, plant, motion.head(RECORDED_CYCLES), least, most, bends, rng)
+    if found is None:
+        return None
+    size, rms = found
+    return Hidden(effect, size, rms / total_deg, rms / total_deg)
 
 
 def _beyond_over_noise(case: Case, total: float) -> float:
@@ -193,20 +199,6 @@ def _bounds(kind: str, name: str) -> tuple[float, float]:
     return (SMALLEST_OF_SMALL, SMALLEST) if kind == "small" else (SMALLEST, LARGEST)
 
 
-def _names(rng: np.random.Generator, kind: str, excitation: str, first: str | None) -> list[str]:
-    """The effects of a case: `first`, and others that data of this kind can tell from it."""
-    if first is None:
-        return []
-    wanted = EFFECTS_OF.get(kind, 2 if rng.random() < 0.25 else 1)
-    names = [first]
-    groups = EXCLUSIVE + (EXCLUSIVE_PLAIN if excitation == "plain" else ())
-    for name in rng.permutation(candidates(excitation)):
-        clash = any(name in group and set(names) & group for group in groups)
-        if len(names) < wanted and str(name) not in names and not clash:
-            names.append(str(name))
-    return names
-
-
 def _effect(rng: np.random.Generator, motion: Motion, plant: Plant, name: str) -> Effect:
     if name in OUTSIDE:
         return outside_effect(rng, motion, name)
@@ -216,7 +208,7 @@ def _effect(rng: np.random.Generator, motion: Motion, plant: Plant, name: str) -
 def _beside(case: Case, total: float) -> Case:
     """The case with `beside_over_noise` found for each effect."""
     motion = case.motion.head(RECORDED_CYCLES)
-    simulated = case.nominal.angle_deg(motion.pitch_deg)
+    simulated = case.simulated_deg(motion)
     whole = respond(case.plant(), motion)
     hidden = []
     for h in case.hidden:

@@ -8,8 +8,8 @@ import numpy as np
 import pandas as pd
 
 from pipeline.concealed.cases import MEASUREMENT
-from pipeline.concealed.draw import BENDS
 from pipeline.concealed.motions import HELD_OUT, RECORDED_CYCLES
+from pipeline.concealed.names import BENDS
 from pipeline.concealed.seal import Truth
 
 GIVEN_UP = ("unknown_physics", "partly_explained")

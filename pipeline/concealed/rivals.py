@@ -16,10 +16,11 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import least_squares
 
-from pipeline.concealed.draw import BENDS, Case, Hidden
+from pipeline.concealed.draw import Case, Hidden
 from pipeline.concealed.effects import Effect, Settings, place
 from pipeline.concealed.motions import HELD_OUT, RECORDED_CYCLES, Motion
-from pipeline.concealed.plant import WIRE_STIFFNESS, Plant, respond
+from pipeline.concealed.names import BENDS
+from pipeline.concealed.plant import WIRE_STIFFNESS, respond
 from pipeline.concealed.sizing import calibration_columns
 
 IMPLIED = {"tension_loss": frozenset({"backlash"})}
@@ -148,12 +149,12 @@ def rivals_of(case: Case, hidden: Hidden) -> list[str]:
 def separation(case: Case, hidden: Hidden, rival: str) -> float:
     """Twice the log-likelihood by which the training cycles prefer the effect to its best rival.
 
-    Both act alone in the plant; gain, offset, a declared curve and jittering zeros are refitted,
-    and the noise is whitened with its true correlation.
+    Both act alone in the plant, but for what the simulation has itself; gain, offset, a declared
+    curve and jittering zeros are refitted, and the noise is whitened with its true correlation.
     """
     motion, weight = _training(case, hidden)
-    plant = Plant(nominal=case.nominal, homing_deg=case.homing_deg)
-    simulated = case.nominal.angle_deg(motion.pitch_deg)
+    plant = case.bare()
+    simulated = case.simulated_deg(motion)
     effect = respond(place(plant, hidden.effect, hidden.size), motion)
     whitened = _whitener(case, motion, weight, simulated)
     target = whitened(effect)

@@ -20,6 +20,7 @@ def truth_of(case: Case, realised: Realised) -> Truth:
         "case": case.name,
         "kind": case.kind,
         "excitation": case.excitation,
+        "known": [h.effect.name for h in case.known],
         "effects": [_effect(case, index) for index in range(len(case.hidden))],
         "noise": _noise(case, realised),
         "calibration": {"gain": 1.0 + case.gain_error, "offset": case.offset_deg},

@@ -13,7 +13,8 @@ import pandas as pd
 from pipeline.atomically import write_atomically
 from pipeline.concealed.benchmark import generate
 from pipeline.concealed.cases import follow_up
-from pipeline.concealed.draw import KINDS, Case, draw_cases
+from pipeline.concealed.draw import Case, draw_cases
+from pipeline.concealed.names import KINDS
 from pipeline.concealed.score import Score, score
 from pipeline.config import DiagnosisConfig
 from pipeline.errors import UsageError, refusal

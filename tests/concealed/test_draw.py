@@ -7,10 +7,6 @@ import pytest
 
 from pipeline.concealed.cases import clean_deg, follow_up, realise, recordings_of
 from pipeline.concealed.draw import (
-    BENDS,
-    EFFECTS_OF,
-    EXCLUSIVE,
-    KINDS,
     LARGEST,
     SMALLEST,
     SMALLEST_OUTSIDE,
@@ -19,12 +15,23 @@ from pipeline.concealed.draw import (
 )
 from pipeline.concealed.effects import CATALOGUE
 from pipeline.concealed.motions import HELD_OUT, RECORDED_CYCLES, plain_motion, rich_motion
+from pipeline.concealed.names import (
+    BENDS,
+    EFFECTS_BESIDE_KNOWN,
+    EFFECTS_OF,
+    EXCLUSIVE,
+    KINDS,
+    KNOWN,
+)
 from pipeline.concealed.noise import Noise, disturbance, lost, mistaken
 from pipeline.concealed.outside import OUTSIDE
 from pipeline.concealed.sizing import stands_out
 from pipeline.recording import load_recording, save_recording
 
-COUNTS = {"none": 6, "walk": 4, "one": 34, "two": 12, "three": 8, "outside": 18, "small": 6}
+COUNTS = {
+    "none": 6, "walk": 4, "one": 34, "two": 12, "three": 8, "outside": 18, "small": 6,
+    "known_none": 4, "known_one": 12,
+}  # fmt: skip
 
 
 @pytest.fixture(scope="module")
@@ -56,8 +63,8 @@ def test_a_case_hides_as_many_effects_as_its_kind_says(cases):
     for case in cases:
         names = names_of(case)
         assert len(set(names)) == len(names)
-        if case.kind in EFFECTS_OF:
-            assert len(names) == EFFECTS_OF[case.kind]
+        if case.kind != "outside":
+            assert len(names) == {**EFFECTS_OF, **EFFECTS_BESIDE_KNOWN}[case.kind]
         else:
             assert names[0] in OUTSIDE
         assert all(len(set(names) & group) <= 1 for group in EXCLUSIVE)
@@ -86,6 +93,33 @@ def test_effects_stand_out_as_stated(cases):
             assert case.hidden[0].alone_over_noise >= 0.97 * SMALLEST_OUTSIDE
         if case.kind == "small":
             assert case.hidden[0].alone_over_noise <= 1.05 * SMALLEST
+
+
+def test_a_simulation_that_knows_an_effect_runs_its_loop_and_lacks_what_is_hidden(cases):
+    checked = 0
+    for case in cases:
+        assert bool(case.known) == (case.kind in EFFECTS_BESIDE_KNOWN)
+        if not case.known:
+            assert np.array_equal(
+                case.simulated_deg(case.motion), case.nominal.angle_deg(case.motion.pitch_deg)
+            )
+            continue
+        own = [h.effect.name for h in case.known]
+        assert len(own) == 1
+        assert own[0] in KNOWN
+        assert own[0] not in names_of(case)
+        motion = case.motion.head(RECORDED_CYCLES)
+        simulated = case.simulated_deg(motion)
+        total = np.hypot(case.noise.sigma_deg, case.noise.jitter_deg)
+        nominal = case.nominal.angle_deg(motion.pitch_deg)
+        assert stands_out(simulated - nominal, nominal) > 0.8 * total
+        later = motion.cycle > 0
+        apart = clean_deg(case, motion) - simulated
+        rms = stands_out(apart[later], simulated[later], case.tolerance_shape_deg > 0) / total
+        unseen = not case.hidden or "marker_outliers" in names_of(case)
+        checked += 1
+        assert rms < 0.1 if unseen else rms > 0.5 * SMALLEST
+    assert checked == COUNTS["known_none"] + COUNTS["known_one"]
 
 
 def test_calibration_is_wrong_within_tolerance_and_bends_are_declared(cases):

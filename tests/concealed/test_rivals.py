@@ -5,8 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pipeline.concealed.draw import BENDS, Case, Hidden, draw_case
+from pipeline.concealed.draw import Case, Hidden, draw_case
 from pipeline.concealed.effects import Effect, Settings
+from pipeline.concealed.names import BENDS
 from pipeline.concealed.noise import Noise
 from pipeline.concealed.rivals import TOLD_APART, rivals_of, separation
 

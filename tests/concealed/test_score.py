@@ -17,7 +17,10 @@ from pipeline.concealed.tables import confusion_table, smallest_found
 from pipeline.errors import LoopgapError
 from pipeline.recording import load_recording
 
-COUNTS = {"none": 2, "walk": 2, "one": 8, "two": 2, "three": 2, "outside": 2, "small": 2}
+COUNTS = {
+    "none": 2, "walk": 2, "one": 8, "two": 2, "three": 2, "outside": 2, "small": 2,
+    "known_none": 2, "known_one": 4,
+}  # fmt: skip
 
 
 def term(name: str, alternatives: tuple[str, ...] = (), probability: float = 0.9) -> dict[str, Any]:
@@ -225,6 +228,12 @@ def test_an_oracle_meets_every_requirement_that_it_can(folders, tmp_path):
         0, abs=1e-3
     )
     assert table.loc["one effect right", "plain of"] == COUNTS["one"] / 2
+    beside = "one effect right, the simulation with a loop of its own"
+    assert table.loc[beside, "rich of"] == COUNTS["known_one"] / 2
+    apart = COUNTS["small"] + COUNTS["known_none"] + COUNTS["known_one"]
+    assert table.loc["seconds a case on one core, 95th percentile", "plain of"] == (
+        (sum(COUNTS.values()) - apart) / 2
+    )
     floor = got.outcomes["floor_over_noise"].dropna()
     assert len(floor) == len(got.outcomes) - COUNTS["walk"]
     assert ((floor > 0.001) & (floor < 0.6)).all()
