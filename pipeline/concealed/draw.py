@@ -138,7 +138,6 @@ def _try_case(rng: np.random.Generator, seed: int, name: str, kind: str, excitat
         if found is None:
             return None
         known.append(found)
-    plant = with_effects(plant, known)
     hidden: list[Hidden] = []
     for effect_name in names:
         bounds = _bounds(kind, effect_name)

@@ -27,9 +27,9 @@ def calibration_columns(simulated: np.ndarray, bends: bool) -> np.ndarray:
 
 
 def reach_deg(effect: Effect, size: float, plant: Plant, motion: Motion, bends: bool) -> float:
-    """rms by which the plant with this effect stands out from the plant without it."""
-    without = respond(plant, motion)
-    return stands_out(respond(place(plant, effect, size), motion) - without, without, bends)
+    """rms by which the plant with this effect alone stands out from the nominal curve."""
+    simulated = plant.nominal.angle_deg(motion.pitch_deg)
+    return stands_out(respond(place(plant, effect, size), motion) - simulated, simulated, bends)
 
 
 def sized(effect: Effect, plant: Plant, motion: Motion, least_deg: float, most_deg: float,

@@ -90,7 +90,7 @@ def diagnose_measurement(
         notes=(
             *(accuracy_note(explanation, best) if accurate else ()),
             *refuted_note(decision.refuted),
-            *form_note(formal, beyond is not None),
+            *form_note(formal, best, beyond is not None),
             *without_name(best),
             *notes(problem, explanation, best, evidence, every),
         ),

@@ -7,9 +7,9 @@ import numpy as np
 from pipeline.physics.term import Term
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Piece:
-    """A term with its parameters, shape (p,), in the term's order."""
+    """A term with its parameters, shape (p,), in the term's order; equal to itself alone."""
 
     term: Term
     values: np.ndarray

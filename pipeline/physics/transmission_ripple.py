@@ -12,6 +12,7 @@ from pipeline.physics.term import NO_STATE, Parameter, Surroundings, Term
 
 OVERTONES = {"second": (2,), "third": (3,), "both": (2, 3), "odd": (3,), "all": (2, 3)}
 EDGES = 3.0
+MOST_OFTEN = 0.3  # per step of the drive: 0.5 is no wave to be seen
 COINCIDENCE, ALIKE = 1e4, 0.03  # periods
 GOING_ON = {"odd": (5, 7, 9), "all": (4, 5, 6, 7, 8)}
 
@@ -109,7 +110,7 @@ class TransmissionRipple(Term):
     def plain_waves(self, around: Surroundings) -> np.ndarray:
         """Amplitude, period and phase of waves to begin a search from, (k, 3)."""
         span = around.drive_span
-        highest = min(0.25 / max(around.spacing, 1e-9), 30.0 / span)
+        highest = min(MOST_OFTEN / max(around.spacing, 1e-9), 30.0 / span)
         often = np.arange((EDGES if self.going_on else 1.4) / span, highest, 0.5 / span)
         phases = np.arange(4) * np.pi / 4.0
         rows = [[0.002 * span, 1.0 / f, p] for f in often for p in phases]

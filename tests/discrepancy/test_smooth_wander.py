@@ -20,6 +20,7 @@ from pipeline.discrepancy.judgement.smooth_wander import (
     wandering,
     zero_that_wanders,
 )
+from pipeline.discrepancy.noise.learning import NoisePrior
 from pipeline.discrepancy.noise.noise import NoiseModel
 from pipeline.discrepancy.search.explain import Explanation
 from pipeline.physics.catalogue import term
@@ -339,3 +340,14 @@ def test_beside_what_rings_after_long_steps_no_zero_is_said_to_wander(rings):
     (told,) = diagnosed(changed(plain, **columns)).diagnoses
     assert ("drift" in {p.name for p in told.physics}) != rings
     assert (told.verdict == "explained") != rings
+
+
+@pytest.mark.parametrize(("size", "may"), [(8.0, True), (40.0, False)])
+def test_where_nothing_repeats_a_zero_does_not_go_as_fast_and_as_far_as_the_mechanism(size, may):
+    recording = recorded({}, cycles=CYCLES, seed=1)
+    fast = size * NOISE * wander(1, width=0.04)
+    problem = posed(changed(recording, **{ANGLE: recording.values(ANGLE) + fast}))
+    fit = evaluate(ground_of(problem, NoiseModel(NOISE), problem.train), ())
+    found, prior = beside(fit), NoisePrior(NoiseModel(NOISE), 0, 0.3, ())
+    assert may_wander(found, prior) == may
+    assert may_wander(found, replace(prior, repeats=6))

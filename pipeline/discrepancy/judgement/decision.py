@@ -24,6 +24,7 @@ from pipeline.discrepancy.judgement.structure import (
     ringing,
     share_left,
     structure_of,
+    unless_many_aside,
 )
 from pipeline.discrepancy.judgement.verdict import (
     beside_a_rest,
@@ -80,7 +81,9 @@ def decided(problem: Problem, explanation: Explanation) -> Decision:
     if refuted:
         kept = [c for c in explanation.choices if c is not borne and not names(c) & refuted]
         explanation = replace(explanation, choices=[borne, *kept])
-    return replace(decided_on(problem, explanation, borne), refuted=refuted)
+    decision = decided_on(problem, explanation, borne)
+    structure = unless_many_aside(decision.explanation, decision.structure)
+    return replace(decision, structure=structure, refuted=refuted)
 
 
 def decided_on(problem: Problem, explanation: Explanation, best: Choice) -> Decision:

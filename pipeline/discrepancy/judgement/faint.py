@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from pipeline.discrepancy.judgement.structure import structure_of
-from pipeline.discrepancy.judgement.verdict import mean_square
+from pipeline.discrepancy.judgement.verdict import mean_square, without
 from pipeline.discrepancy.search.explain import Explanation
 from pipeline.discrepancy.search.weighing import LEAST_GAIN, Choice, names
 
@@ -58,7 +58,7 @@ def firm(explanation: Explanation, choice: Choice) -> Choice:
     own = search.weighed(choice.fit, choice.place).score
     found: list[tuple[float, Choice]] = []
     for name in told if len(told) > 1 else ():
-        trial = choice.but_for(name)
+        trial = without(explanation, choice, name)
         grew = mean_square(explanation, trial) - mean_square(explanation, choice)
         size = float(np.sqrt(max(grew, 0.0))) / ground.noise.deviation
         fewer = search.weighed(trial.fit, choice.place)

@@ -5,15 +5,27 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pipeline.discrepancy.judgement.verdict import mean_square
+from pipeline.discrepancy.judgement.verdict import mean_square, without
 from pipeline.discrepancy.judgement.walking_zero import walks_far
 from pipeline.discrepancy.problem.problem import Problem
 from pipeline.discrepancy.search.explain import Explanation
 from pipeline.discrepancy.search.weighing import Choice, names
+from pipeline.physics.coulomb_friction import CoulombFriction
+from pipeline.physics.friction import Friction
+from pipeline.physics.own_amount import OwnAmount
 
 MANY = 3
 FAINT_ZERO = 0.5
 LATE = frozenset({"creep", "frame_lag", "response_lag"})
+GIVE_WAY = frozenset({"compliance", "slack"})
+ALSO = (
+    "The corrected simulation also has {said} of the mismatch: {why}, not for physics of its own."
+)
+SO_LITTLE = "so little is taken for the form of what is named"
+BESIDE_BEYOND = "beside what has no name in the catalogue, that is taken for its form"
+BROUGHT_ABOUT = (
+    "that what it has itself shows more or less is taken for what the others bring about"
+)
 
 
 class Limit(NamedTuple):
@@ -44,7 +56,8 @@ def names_of_form(explanation: Explanation, best: Choice, beyond: bool = False) 
     not there. They stay in the corrected simulation, and are not told as physics. What such a name
     explains of the mismatch, calibration apart, is within the limit LEAST, or FAINT, which is too
     little to be told from form. The one that explains least is taken out first. Of a force against
-    motion only a drift is one (`faint_zero`): beside a weight or a spring, friction is small.
+    motion only a drift is one (`faint_zero`), and `slip_elements`: beside a weight or a spring,
+    friction is small. What another name brings about is one however large (`brought_about`).
 
     beyond: whether one of them, or a snap, is more than the catalogue has a name for. Only the name
     is told then that explains most: the form of that is farther from the real thing than a term's.
@@ -55,7 +68,7 @@ def names_of_form(explanation: Explanation, best: Choice, beyond: bool = False) 
     it no share says anything.
     """
     if explanation.problem.derivatives is not None:
-        return faint_zero(explanation, best)
+        return faint_zero(explanation, best) | slip_elements(explanation, best)
     if walks_far(explanation, best):
         return {}
     before, begun = mismatch_of(explanation, best), mean_square(explanation, best)
@@ -64,10 +77,11 @@ def names_of_form(explanation: Explanation, best: Choice, beyond: bool = False) 
         formal = []
         left_now = mean_square(explanation, told)
         for name in named(told):
-            trial = told.but_for(name)
+            trial = told.but_for(name) if beyond else without(explanation, told, name)
             left = mean_square(explanation, trial)
             own = max(left - left_now, 0.0)
-            limits = [ANY] if beyond else limits_of(name, explanation.problem)
+            free = beyond or brought_about(name, told)
+            limits = [ANY] if free else limits_of(name, explanation.problem)
             if any(most.holds(own, left - begun, before, noise) for most in limits):
                 formal.append((left, name, own, trial))
         if not formal:
@@ -87,6 +101,28 @@ def limits_of(name: str, problem: Problem) -> list[Limit]:
     inside = [INSIDE] if moves_by_itself(problem) else []
     late = [LATE_INSIDE] if name in LATE and comes_late_by_itself(problem) else []
     return [LEAST, FAINT, *inside, *late]
+
+
+def brought_about(name: str, choice: Choice) -> bool:
+    """Whether others bring about that a simulation's own loop is wider or narrower by that name.
+
+    A wire that gives way more or less, or hangs slack, lets the same friction, creep or lag show
+    more or less. And what comes late in another way than the simulation's takes the place of that.
+    """
+    own = [p for p in choice.fit.pieces if p.term.name == name]
+    if not all(isinstance(p.term, OwnAmount) for p in own):
+        return False
+    others = {p.term.name for p in choice.fit.pieces if p.term.name != name}
+    less = all(p.values[0] < 0.0 for p in own)
+    return bool(others & GIVE_WAY or (less and name in LATE and others & LATE))
+
+
+def slip_elements(explanation: Explanation, best: Choice) -> dict[str, float]:
+    """Slip elements of a force beside dry friction, which are that, and their share (RMS)."""
+    if not {Friction.name, CoulombFriction.name} <= names(best):
+        return {}
+    own = mean_square(explanation, best.but_for(Friction.name)) - mean_square(explanation, best)
+    return {Friction.name: float(np.sqrt(max(own, 0.0) / mismatch_of(explanation, best)))}
 
 
 def faint_zero(explanation: Explanation, best: Choice) -> dict[str, float]:
@@ -138,17 +174,15 @@ def mismatch_of(explanation: Explanation, best: Choice) -> float:
     return mean_square(explanation, base) - best.fit.ground.noise.deviation**2
 
 
-def form_note(formal: Mapping[str, float], beyond: bool = False) -> list[str]:
+def form_note(formal: Mapping[str, float], best: Choice, beyond: bool = False) -> list[str]:
     """What the corrected simulation follows besides what is named, and by how much."""
-    if not formal:
-        return []
-    said = " and ".join(f"{name} ({100.0 * share:.1f} %)" for name, share in formal.items())
-    why = (
-        "beside what has no name in the catalogue, that is taken for its form"
-        if beyond
-        else "so little is taken for the form of what is named"
-    )
-    return [
-        f"The corrected simulation also has {said} of the mismatch: {why}, not for physics of its "
-        "own."
-    ]
+    brought = {n: share for n, share in formal.items() if brought_about(n, best)}
+    little = {n: share for n, share in formal.items() if n not in brought}
+    why = BESIDE_BEYOND if beyond else SO_LITTLE
+    told = ((little, why), (brought, BROUGHT_ABOUT))
+    return [ALSO.format(said=shares_in_words(some), why=why) for some, why in told if some]
+
+
+def shares_in_words(shares: Mapping[str, float]) -> str:
+    """Names with their shares of the mismatch."""
+    return " and ".join(f"{name} ({100.0 * share:.1f} %)" for name, share in shares.items())

@@ -28,6 +28,7 @@ FRAME_LAG = FrameLag.name
 FEWEST, FEWEST_FAR = 3, 2
 CREDIBLE, NEARLY_ALL = 3.0, 0.8
 FAR = 10.0
+MOST_MISTAKEN = 0.1
 BY_CHANCE = 1e-3
 HEAVY, LIGHT = 3.0, 8.0
 ROUNDED_BY = 1.5
@@ -43,7 +44,9 @@ LATE = "In {share:.2g} of the frames the camera shows an earlier pose, {lag} fra
 def mistaken_frames(
     explanation: Explanation, evidence: Evidence, taken: Container[str], unexplained: bool
 ) -> NamedPhysics | None:
-    """Frames that are mistaken, or stale where no name taken says so; None where too few are.
+    """Frames that are mistaken, or stale where no name taken says so.
+
+    None where too few are, or so many that a sensor which mistakes them would be none.
 
     unexplained: whether a structured rest is left: of that a few samples stand off as well, but by
     less than FAR times the noise, or after steps of other lengths or sooner after reversals than
@@ -52,7 +55,7 @@ def mistaken_frames(
     heavy tails throws some as far, nor where the drive turned between two samples.
     """
     found = share_and_size(explanation)
-    if found is None or of_heavy_tails(explanation):
+    if found is None or found[0].value > MOST_MISTAKEN or of_heavy_tails(explanation):
         return None
     noise = explanation.choices[0].fit.ground.noise.deviation
     few = alone(incredible(explanation)) < FEWEST

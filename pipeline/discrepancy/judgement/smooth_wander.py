@@ -31,6 +31,7 @@ WITNESSED, FARTHER = 2.0, 3.0  # the same where cycles that repeat say what nois
 SMOOTHER, SURELY_SMOOTHER = 3.0, 8.0  # log likelihood of a smooth zero over one that walks
 LEAD = 22.0  # log likelihood of a zero over all else that may wander
 FASTEST_PACE, MOST_SETS = 12.0, 10  # per cycle
+AS_FAST, AS_LARGE = 1.0, 0.1  # per cycle; of the motion: what a mechanism does late is both
 PLAYS, PIVOTS = (0.02, 0.05, 0.1, 0.25), (-0.25, 1.25, 0.0, 0.25, 0.5, 0.75, 1.0)  # of the range
 MIDDLES, ABOUT, UNEVEN = (0.3, 0.4, 0.5, 0.6, 0.7), 0.25, 0.02
 SWINGS, SWUNG, FINELY = 4.0, 0.6, 0.2  # one period that holds so much, so often, is no drift
@@ -115,13 +116,25 @@ def smoother_than_a_walk(choice: Choice) -> bool:
 
 
 def may_wander(found: Beside, prior: NoisePrior) -> bool:
-    """Whether what is left may be such a zero: far beyond the noise, slow, on no louder noise."""
+    """Whether what is left may be such a zero: far beyond the noise, slow, on no louder noise.
+
+    Where nothing repeats, none that moves as fast as the mechanism and by much of its motion.
+    """
     ground = found.fit.ground
     rows = len(ground.used) / len(np.unique(ground.problem.cycle))
     least = WITNESSED if prior.repeats > 0 else FAR
     far = np.var(found.left[ground.used]) > least * found.zero.deviation**2
+    paced = found.zero.pace * rows
+    if prior.repeats == 0 and paced > AS_FAST and found.size > AS_LARGE * motion_of(found):
+        return False
     louder = np.log(found.zero.deviation / prior.model.deviation) > SURELY * prior.sure
-    return bool(far and found.zero.pace * rows < FASTEST_PACE and not louder)
+    return bool(far and paced < FASTEST_PACE and not louder)
+
+
+def motion_of(found: Beside) -> float:
+    """Root mean square of what was measured about its mean [measurement's unit]."""
+    ground = found.fit.ground
+    return float(np.std(ground.problem.measured[ground.used]))
 
 
 def reconsidered(explanation: Explanation, best: Choice) -> list[Fit]:

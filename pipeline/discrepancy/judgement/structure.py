@@ -1,6 +1,6 @@
 """Structure: is what a choice of terms leaves more than noise, and where does it show?"""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -14,7 +14,14 @@ from pipeline.discrepancy.judgement.force_rest import (
 )
 from pipeline.discrepancy.judgement.holding import held_by_chance
 from pipeline.discrepancy.judgement.hum import hum
-from pipeline.discrepancy.judgement.mistaken import FEWEST, after_others, incredible, late_by
+from pipeline.discrepancy.judgement.mistaken import (
+    FEWEST,
+    MOST_MISTAKEN,
+    after_others,
+    errors_of,
+    incredible,
+    late_by,
+)
 from pipeline.discrepancy.judgement.recurrence import foretold_share
 from pipeline.discrepancy.judgement.rest import (
     CHANGING,
@@ -47,6 +54,7 @@ MOST_OF_REST, FEWEST_PERIODS = 0.5, 8.0
 JERKY, STICKY, JERKS = 4.4, 12.0, "jerks, each time elsewhere: it sticks and slips"
 HOLDS = "samples that stay where the one before was as long as it is near: it is held, and lets go"
 TWO_ZEROS = "two zeros by turns"
+ASIDE = "{percent} % of the samples, which stand off from the others: too many for mistakes"
 NO_FORM = frozenset((SWINGS, JERKS, HOLDS, TWO_ZEROS))  # what terms of a wrong form don't leave
 UNSTEADY = CHANGING | {RINGS}  # which terms that stay as they are follow on average only
 
@@ -110,6 +118,22 @@ def structure_of(explanation: Explanation, choice: Choice) -> Structure:
         return Structure(False, None, 0.0, by_chance, alike=again)
     share = min(sign.size**2 / mismatch_variance(explanation), 1.0)
     return Structure(True, sign.where, share, min(sign.p_value, by_chance), alike=again)
+
+
+def unless_many_aside(explanation: Explanation, structure: Structure) -> Structure:
+    """A structure, if any; else samples that stand off, where they are too many for mistakes.
+
+    The names are those of the other samples, and stay.
+    """
+    rows = incredible(explanation)
+    share = float(rows.sum() / explanation.problem.train.sum())
+    if structure.found or share <= MOST_MISTAKEN:
+        return structure
+    off = np.where(explanation.used | rows, explanation.problem.measured, np.nan)
+    off = np.nan_to_num(off - explanation.problem.simulated)
+    rest = float(np.sum(errors_of(explanation)[rows] ** 2) / max(float(off @ off), 1e-300))
+    where = ASIDE.format(percent=worded(100.0 * share))
+    return replace(structure, found=True, where=where, share=min(rest, 1.0), p_value=CHANCE)
 
 
 def rounded(explanation: Explanation, choice: Choice) -> bool:

@@ -20,7 +20,7 @@ from pipeline.discrepancy.noise.family import usual_charge
 from pipeline.discrepancy.search.explain import Explanation
 from pipeline.discrepancy.search.growth import grown
 from pipeline.discrepancy.search.pressed import plainer
-from pipeline.discrepancy.search.weighing import Choice, names, piled, wanders
+from pipeline.discrepancy.search.weighing import RIVAL_GAP, Choice, names, piled, wanders
 from pipeline.physics.drift import Drift
 
 ENOUGH, TWICE = 0.7, 2.0
@@ -321,6 +321,19 @@ def plainly_told(
         return choice
     fewer_told = explanation.search.weighed(fit, choice.place)
     return plainly_told(explanation, fewer_told, noise, plainly, sure)
+
+
+def without(explanation: Explanation, choice: Choice, name: str) -> Choice:
+    """A choice without a name: refitted, or as likely a one as was found, whichever leaves less.
+
+    What stood beside the name may have shrunk to make room for it, and not find back. Beside what
+    is more than its name, no other is of the same names.
+    """
+    rest, least = names(choice) - {name}, choice.score + RIVAL_GAP
+    beyond = any(p.term.beyond for p in choice.fit.pieces)
+    likely = [] if beyond else [c for c in explanation.choices if c.score < least]
+    found = [c for c in likely if names(c) == rest]
+    return min([choice.but_for(name), *found], key=lambda c: mean_square(explanation, c))
 
 
 def mean_square(explanation: Explanation, choice: Choice) -> float:

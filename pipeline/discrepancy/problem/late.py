@@ -143,6 +143,8 @@ class Poses:
     def likelier(self) -> float:
         """-2 log likelihood of errors about the pose itself, less that of the mixture."""
         rows = self.near & self.train
+        if not rows.any():
+            return -np.inf
         error, step = self.error[0, rows], self.step[rows]
         slope = float(error @ step) / max(float(step @ step), 1e-300)
         alone = cost_of_errors((error - slope * step) ** 2)
@@ -222,6 +224,8 @@ def learnt(poses: Poses, finest: float, turns: int) -> Poses:
     """
     for _ in range(turns):
         near = poses.near & poses.train
+        if not near.any():
+            return poses
         joint = poses.weights(np.flatnonzero(near))
         weight = joint / np.maximum(joint.sum(axis=0), 1e-300)
         last, shares = poses.shares, np.mean(weight, axis=1)

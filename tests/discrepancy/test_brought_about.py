@@ -1,0 +1,117 @@
+"""What other names bring about, or leave out as well, is no name of its own."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from pipeline.discrepancy.fitting.fit import evaluate
+from pipeline.discrepancy.fitting.ground import ground_of
+from pipeline.discrepancy.judgement.form import brought_about
+from pipeline.discrepancy.judgement.verdict import without
+from pipeline.discrepancy.noise.learning import learn_noise
+from pipeline.discrepancy.noise.noise import NoiseModel
+from pipeline.discrepancy.search.weighing import RIVAL_GAP, Choice
+from pipeline.physics.catalogue import term
+from pipeline.physics.kinematics import CubicCurve
+from pipeline.physics.mechanism import Mechanism
+from pipeline.physics.own_amount import OwnCreep, OwnFriction, OwnLag
+from pipeline.physics.piece import Piece
+from tests.discrepancy.made import (
+    ANGLE,
+    NOISE,
+    SIMULATED,
+    changed,
+    diagnosed,
+    explanation_of,
+    followed,
+    motion_of,
+    names,
+    posed,
+    recorded,
+)
+from tests.discrepancy.test_force import motion
+from tests.discrepancy.test_simulated_force import beside
+
+SOFT = Piece(term("compliance", "wire"), np.array([0.4, 12.0, 0.1, 0.2]))
+LATE = Piece(term("creep"), np.array([0.2, 20.0]))
+
+
+@pytest.mark.parametrize(
+    ("own", "amount", "other", "brought"),
+    [
+        (OwnFriction(), 1.0, SOFT, True),
+        (OwnFriction(), -1.0, SOFT, True),
+        (OwnFriction(), -1.0, LATE, False),
+        (OwnLag(), -1.0, LATE, True),
+        (OwnLag(), 1.0, LATE, False),
+        (OwnCreep(), -0.1, SOFT, True),
+        (term("friction"), 1.0, SOFT, False),
+    ],
+)
+def test_a_loop_of_its_own_is_wider_or_narrower_because_of_another_name(
+    own, amount, other, brought
+):
+    values = np.array([amount, 2.0, 0.7])[: 3 if own.form == "symmetric" else 1]
+    problem = posed(recorded({}))
+    fit = evaluate(ground_of(problem, NoiseModel(NOISE), problem.train), ())
+    choice = Choice(replace(fit, pieces=(Piece(own, values), other)), (0, 0, 0), 0.0)
+    assert brought_about(own.name, choice) == brought
+    assert not brought_about(other.term.name, choice)
+
+
+def test_friction_that_a_softer_wire_shows_less_of_is_no_name():
+    asked, curve = motion_of(), CubicCurve(0.7, 1e-5)
+    rubs = Piece(term("friction"), np.array([4.0, 3.0, 0.7]))
+    less = Piece(term("friction"), np.array([2.2, 3.0, 0.7]))
+    simulated = Mechanism(curve, [rubs]).respond(asked)[0]
+    seen = Mechanism(curve, [less, SOFT]).respond(asked)[0]
+    noise = NOISE * np.random.default_rng(2).standard_normal(len(seen))
+    found = diagnosed(
+        changed(recorded({}), **{SIMULATED: simulated, ANGLE: 1.02 * seen + 0.4 + noise})
+    )
+    (told,) = found.diagnoses
+    assert names(found) == {"compliance"}
+    assert any("friction" in note and "bring about" in note for note in told.notes)
+    assert told.after.heldout_rmse < 1.1 * NOISE
+
+
+@pytest.mark.parametrize("behind", [-1.0, 1.0])
+def test_without_a_name_counts_what_was_found_if_it_is_as_likely(behind):
+    problem = posed(recorded({"backlash/pin": {"width": 12.0}}, seed=1))
+    ground = ground_of(problem, NoiseModel(NOISE), problem.train)
+    play, pin = (Piece(term("backlash", form), np.array([12.0])) for form in ("", "pin"))
+    lag = Piece(term("response_lag"), np.array([2.0]))
+    best = Choice(evaluate(ground, [play, lag]), (0, 0, 0), 0.0)
+    other = Choice(evaluate(ground, [pin]), (0, 0, 0), RIVAL_GAP + behind)
+    told = without(explanation_of([best, other]), best, lag.term.name)
+    assert [p.term.form for p in told.fit.pieces] == ["pin" if behind < 0.0 else ""]
+
+
+def test_slip_elements_beside_dry_friction_are_that_friction():
+    _, x, _ = motion(4)
+    stiff, most = np.array([9e4, 1.7e5, 6e4, 1.4e4]), np.array([1.8, 11.0, 12.0, 9.0])
+    bent, dry = np.zeros(4), np.zeros(len(x))
+    for k in range(1, len(x)):
+        bent = np.clip(bent + stiff * (x[k] - x[k - 1]), -most, most)
+        dry[k] = bent.sum()
+    found = beside(x, dry, 0.0 * x)
+    assert {p.name for p in found.physics} == {"coulomb_friction"}
+
+
+def test_a_piece_is_found_among_others_whatever_numbers_they_have():
+    alike = Piece(LATE.term, LATE.values.copy())
+    assert LATE in (SOFT, LATE)
+    assert LATE not in (SOFT, alike)
+
+
+def test_one_pair_of_cycles_that_meet_by_chance_says_nothing_of_noise():
+    time_s = np.arange(1900) / 14.6
+    asked = 23.0 * np.sin(2.0 * np.pi * time_s / 16.15)
+    rng = np.random.default_rng(0)
+    drifted = 0.4 * np.polynomial.Polynomial([0.0, 1.0, -3.0, 2.4])(time_s / 65.0 - 1.0)
+    seen = asked + drifted + 0.15 * rng.standard_normal(len(asked))
+    problem = posed(followed(time_s, asked, seen, 1.0 / 16.15))
+    prior = learn_noise(problem)
+    assert prior.repeats == 0
+    assert prior.model.deviation == pytest.approx(0.15, rel=0.1)
