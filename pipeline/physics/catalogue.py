@@ -14,6 +14,7 @@ from pipeline.physics.contact import LOSSY, SIDES, Contact
 from pipeline.physics.coulomb_friction import CoulombFriction
 from pipeline.physics.coupling import CUBIC, CURVED, OFFERED, Coupling
 from pipeline.physics.creep import Creep
+from pipeline.physics.delayed_motor import SLEWING, DelayedMotor
 from pipeline.physics.driven_bank import DrivenBank
 from pipeline.physics.driven_stretch import DrivenStretch
 from pipeline.physics.early_frames import EarlyFrames
@@ -55,6 +56,7 @@ from pipeline.physics.sheath_stretch import SheathStretch
 from pipeline.physics.single_bump import SingleBump
 from pipeline.physics.slack import Slack
 from pipeline.physics.slanted_view import SlantedView
+from pipeline.physics.slewing_motor import SlewingMotor
 from pipeline.physics.slip_spectrum import AT_DRIVE as OF_DRIVE
 from pipeline.physics.slip_spectrum import SlipSpectrum
 from pipeline.physics.smooth_drift import SmoothDrift
@@ -262,6 +264,8 @@ def richer(term: Term) -> tuple[Term, ...]:
         return (DrivenBank(), *term.richer())
     if term.name == FrameLag.name and term.form in ("held", MOVED):
         return (*term.richer(), MovedFrames(BLURRED))
+    if term.name == ResponseLag.name and term.form == SlewingMotor.form:
+        return (DelayedMotor(SLEWING),)
     if term.group != BEND:
         return term.richer()
     return (*term.richer(), RISING if term.form == BENDING.form else BENDING)

@@ -50,15 +50,19 @@ def lag_parameter(around: Surroundings) -> Parameter:
 
 
 @njit(cache=True)
-def slewed(signal, dwell, time_constant, top_speed, at):  # type: ignore[no-untyped-def]
-    """x' = (u - x) / time_constant, at most top_speed either way, u held: exact answer (n,)."""
+def slewed(signal, dwell, time_constant, top_speed, at, falling=1.0):  # type: ignore[no-untyped-def]
+    """x' = (u - x) / time_constant, at most top_speed, u held: exact answer (n,).
+
+    falling: by how many times it may fall faster than it rises.
+    """
     out = np.empty(signal.size)
     for i in range(signal.size):
         left, way = dwell[i], signal[i] - at
-        beyond = abs(way) - top_speed * time_constant
+        most = top_speed if way > 0.0 else falling * top_speed
+        beyond = abs(way) - most * time_constant
         if beyond > 0.0:
-            running = min(left, beyond / top_speed)
-            at += np.sign(way) * top_speed * running
+            running = min(left, beyond / most)
+            at += np.sign(way) * most * running
             left -= running
         if left > 0.0:
             fade = np.exp(-left / time_constant) if time_constant > 0.0 else 0.0

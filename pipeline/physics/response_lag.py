@@ -3,6 +3,7 @@
 import numpy as np
 
 from pipeline.physics.balance import Load
+from pipeline.physics.delayed_motor import DelayedMotor
 from pipeline.physics.held import (
     STEP_AND_WAIT_S,
     dwells,
@@ -55,7 +56,7 @@ class ResponseLag(Term):
 
     def richer(self) -> tuple[Term, ...]:
         swings = SecondOrderLag("second"), SecondOrderLag("motor")
-        return (*swings, MovedLag(), MotorLag(), SlewingMotor(), ValvedLag())
+        return (*swings, MovedLag(), MotorLag(), SlewingMotor(), ValvedLag(), DelayedMotor())
 
     def elsewhere(self) -> tuple[Term, ...]:
         other = {"first": "whole", RUNNING: LOADED}.get(self.form)

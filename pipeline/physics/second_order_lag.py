@@ -1,18 +1,23 @@
 """Lag of second order: the body, or the motor before it, swings after the command."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from numba import njit
 
 from pipeline.number_words import worded
 from pipeline.physics.arms import NEARBY
+from pipeline.physics.delayed_motor import SLEWING, DelayedMotor
 from pipeline.physics.equilibrium import NEVER
 from pipeline.physics.frame_lag import FrameLag
 from pipeline.physics.held import dwells, longest_lag_s, usual_lag_s
 from pipeline.physics.motion import Motion
+from pipeline.physics.slewing_motor import speeds_of_steps
 from pipeline.physics.tabled import inlined
 from pipeline.physics.term import Parameter, Surroundings, Term, Told
 
 NEARLY_CRITICAL = 1e-6
+DEAD, SPEEDS = (0.3, 0.6), (0.15, 0.3, 0.6)
 
 
 @inlined
@@ -127,6 +132,15 @@ class SecondOrderLag(Term):
         return np.array(
             [[p, damping, m] for p in sorted(paces) for damping in (0.2, 0.6, 1.2) for m in (0, 1)]
         )
+
+    def instead(self, values: np.ndarray, motion: Motion, around: Surroundings) -> Sequence[Told]:
+        """As much of dead time, lag and top speed: a servo at its limits seems to swing."""
+        late_s, speed = 2.0 * values[1] / values[0], float(speeds_of_steps(motion).max())
+        return [
+            [(DelayedMotor(SLEWING), np.array([dead, late_s - dead, k * speed, 1.0]))]
+            for dead in late_s * np.array(DEAD)
+            for k in SPEEDS
+        ]
 
     def scaled(self, values: np.ndarray, factor: float) -> np.ndarray:
         """As it is: a swing is as slow as its frequency is low."""

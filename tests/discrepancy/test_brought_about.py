@@ -29,6 +29,7 @@ from tests.discrepancy.made import (
     names,
     posed,
     recorded,
+    value_of,
 )
 from tests.discrepancy.test_force import motion
 from tests.discrepancy.test_simulated_force import beside
@@ -115,3 +116,10 @@ def test_one_pair_of_cycles_that_meet_by_chance_says_nothing_of_noise():
     prior = learn_noise(problem)
     assert prior.repeats == 0
     assert prior.model.deviation == pytest.approx(0.15, rel=0.1)
+
+
+def test_a_ripple_of_few_samples_is_found():
+    waves = {"amplitude": 1.2, "period": 6.4, "phase": 1.0}
+    found = diagnosed(recorded({"transmission_ripple": waves, "backlash": {"width": 4.0}}, seed=5))
+    assert names(found) == {"transmission_ripple", "backlash"}
+    assert value_of(found, "transmission_ripple", "period").value == pytest.approx(6.4, rel=0.01)
