@@ -5,6 +5,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from pipeline.physics.backlash import Backlash
 from pipeline.physics.balance import Load
 from pipeline.physics.compliance import Compliance
 from pipeline.physics.driven_slack import DRIVEN, OFF_HOME, DrivenSlack
@@ -51,7 +52,7 @@ class Slack(Term):
         centre = Parameter("centre", unit, middle - far, middle + far, middle, 0.05 * span)
         others = (
             Parameter("rounding", unit, 1e-4 * span, 0.02 * span, 0.002 * span, 0.0004 * span),
-            Parameter("stiffness", "", 0.01, 2.0, STIFFNESS, 0.02, weak=True),
+            Parameter("stiffness", "", SOFTEST, 2.0, STIFFNESS, 0.02, weak=True),
         )
         return (width, *others) if HOME in self.form else (width, centre, *others)
 
@@ -73,6 +74,10 @@ class Slack(Term):
                 for centre in np.linspace(-CENTRES, CENTRES, apart(width))
             ]
         )
+
+    def also_at(self, values: np.ndarray, around: Surroundings) -> tuple[str, ...]:
+        """Play, where the joint has next to no spring of its own: what loads it holds it loose."""
+        return (Backlash.name,) if values[-1] <= AS_LITTLE * SOFTEST else ()
 
     def plainer(self, values: np.ndarray, shown: Shown) -> str:
         """A width not worth a parameter is wire that gives way at first."""
@@ -106,7 +111,7 @@ def apart(width: float) -> int:
     return max(2 * round(CENTRES / width) + 1, 5)
 
 
-STIFFNESS = 0.03
+STIFFNESS, SOFTEST, AS_LITTLE = 0.03, 0.01, 1.001
 CENTRES = 0.25
 MOST_SHARP = 400.0
 LEAST_LEFT, FIRM = 0.05, 50.0

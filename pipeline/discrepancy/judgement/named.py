@@ -15,7 +15,7 @@ from pipeline.discrepancy.judgement.mistaken import (
     stale_now_and_then,
 )
 from pipeline.discrepancy.judgement.rivals import mechanism_of
-from pipeline.discrepancy.judgement.structure import Structure
+from pipeline.discrepancy.judgement.structure import RINGS, Structure
 from pipeline.discrepancy.judgement.walking_zero import zero_that_walks
 from pipeline.discrepancy.model.intervals import MEASURED, estimates, stated
 from pipeline.discrepancy.model.result import FOLLOWS, Estimate, Evidence, NamedPhysics
@@ -52,7 +52,8 @@ def named_physics(
             beside.append(zero_that_walks(explanation, best, evidence))
             beside.append(late_now_and_then(explanation, evidence))
         if out or not structure.found:
-            beside.append(mistaken_frames(explanation, evidence, told, structure.found))
+            unexplained = structure.found or structure.where == RINGS
+            beside.append(mistaken_frames(explanation, evidence, told, unexplained))
     for own in beside:
         if own is not None:
             out.setdefault(own.name, own)
