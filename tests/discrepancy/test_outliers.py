@@ -18,6 +18,7 @@ from pipeline.discrepancy.search.weighing import Choice
 from pipeline.physics.kinematics import CubicCurve
 from pipeline.physics.lost_steps import LostSteps
 from pipeline.physics.piece import Piece
+from pipeline.physics.play_operator import play
 from pipeline.recording import Recording
 from tests.discrepancy.made import (
     ANGLE,
@@ -95,17 +96,23 @@ def test_a_diagnosis_names_frames_that_were_mistaken_in_a_row(
     assert found.diagnoses[0].after.heldout_rmse < 1.15 * NOISE
 
 
-def standing_off(after_long_steps: bool) -> tuple[Recording, np.ndarray]:
-    """Steps of three lengths, and samples (n,) that are off, after long steps only or anywhere."""
+def standing_off(
+    after_long_steps: bool, size: float = 5.0, width: float = 0.0
+) -> tuple[Recording, np.ndarray]:
+    """Steps of three lengths, and samples (n,) that are off, after long steps only or anywhere.
+
+    Behind play of some width.
+    """
     rng, plain = np.random.default_rng(6), recorded({})
     n = len(plain.samples)
     steps = rng.choice([1.0, 2.0, 4.0], n, p=[0.6, 0.3, 0.1])
     command = 55.0 * (2.0 / np.pi) * np.arcsin(np.sin(np.cumsum(steps) / 50.0))
     off = np.zeros(n)
     some = np.flatnonzero(steps == 4.0) if after_long_steps else n
-    off[rng.choice(some, 12, replace=False)] = 5.0
-    angle = CubicCurve(0.7, 1e-5)(command)
-    measured = angle + off + NOISE * rng.standard_normal(n)
+    off[rng.choice(some, 12, replace=False)] = size
+    curve = CubicCurve(0.7, 1e-5)
+    angle, behind = curve(command), curve(play(command, 0.5 * width, 0.0))
+    measured = behind + off + NOISE * rng.standard_normal(n)
     columns = {"pitch_command_deg": command, SIMULATED: angle, ANGLE: measured}
     return changed(plain, **columns), off
 
@@ -126,6 +133,12 @@ def test_what_rings_after_some_steps_is_told_as_that_and_not_as_mistaken(ringing
     assert {p.name for p in found.physics} == (set() if ringing else {"marker_outliers"})
     assert (found.unexplained.where == RINGS) == ringing
     assert found.verdict == ("unknown_physics" if ringing else "explained")
+
+
+@pytest.mark.parametrize("ringing", [True, False])
+def test_what_rings_beside_wide_play_is_not_mistaken_either(ringing: bool) -> None:
+    found = diagnosed(standing_off(ringing, size=2.0, width=18.0)[0])
+    assert names(found) == {"backlash"} | (set() if ringing else {"marker_outliers"})
 
 
 def test_two_that_follow_each_other_are_found_whole_to_whichever_sides() -> None:
