@@ -23,13 +23,13 @@ def explained(problem: Problem) -> tuple[Problem, Explanation]:
     """The problem of an angle as it suits its explanation best, and that.
 
     Where the simulation does a little beside its curve, that may be a course of its own, or its
-    trace may drive as well, a lag of its own may come before the joint or behind it, and friction
-    of its own be at the joint or at the drive: what explains the rest better says it. What readings
-    in levels are off on average is known once what they should have read is; then it is taken off
-    them.
+    trace may drive as well, a lag of its own may come before the joint, under its loads or behind
+    it, and friction of its own be at the joint or at the drive: what explains the rest better says
+    it. What readings in levels are off on average is known once what they should have read is; then
+    it is taken off them.
     """
     explanation = explain(thinned(problem)[0])
-    for otherwise in (on_its_course, otherwise_simulated, otherwise_moved):
+    for otherwise in (on_its_course, otherwise_simulated, under_load, otherwise_moved):
         other = otherwise(problem, explanation)
         if other is not None:
             found = explain(thinned(other)[0])
@@ -60,6 +60,17 @@ def otherwise_simulated(problem: Problem, explanation: Explanation) -> Problem |
     if other is None or not promising(other, explanation, lambda term: term.in_balance):
         return None
     return other
+
+
+def under_load(problem: Problem, explanation: Explanation) -> Problem | None:
+    """The problem with the simulation's own lag or creep under the loads of the joint, if better.
+
+    What holds or frees the joint makes either of another size there.
+    """
+    other = problem.loaded
+    if other is None or not unclear(explanation):
+        return None
+    return other if promising(other, explanation, lambda term: term.in_balance) else None
 
 
 def otherwise_moved(problem: Problem, explanation: Explanation) -> Problem | None:

@@ -8,7 +8,7 @@ import numpy as np
 from pipeline.physics.balance import BALANCE, settle
 from pipeline.physics.kinematics import Curve, IdentityCurve, SmoothError
 from pipeline.physics.motion import Motion
-from pipeline.physics.own_amount import changed
+from pipeline.physics.own_amount import as_load, changed
 from pipeline.physics.piece import Piece
 
 
@@ -34,6 +34,14 @@ class OwnCourse:
     def seen_late(self) -> "OwnCourse":
         """The same with what is behind the curve behind the joint instead."""
         return OwnCourse(self.drive, (), self.joint, (*self.sensor, *self.curve))
+
+    @property
+    def under_load(self) -> "OwnCourse | None":
+        """The same with what is late behind the curve in the balance; None where that is none."""
+        loads = [as_load(piece) for piece in self.curve]
+        if not loads or None in loads:
+            return None
+        return OwnCourse(self.drive, (), (*self.joint, *(p for p in loads if p)), self.sensor)
 
     def as_changed(self, pieces: Sequence[Piece]) -> "OwnCourse":
         """The same with as much of each as pieces say, see `own_amount.py`."""

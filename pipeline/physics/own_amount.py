@@ -11,7 +11,7 @@ from pipeline.physics.drive_play import DrivePlay
 from pipeline.physics.friction import Friction
 from pipeline.physics.motion import Motion
 from pipeline.physics.piece import Piece
-from pipeline.physics.response_lag import ResponseLag
+from pipeline.physics.response_lag import LOADED, ResponseLag
 from pipeline.physics.second_order_lag import SecondOrderLag
 from pipeline.physics.slip_spectrum import SlipSpectrum, elements_of
 from pipeline.physics.term import Parameter, Surroundings, Term
@@ -59,6 +59,20 @@ def times(piece: Piece, factor: float, as_stiff: bool) -> Piece:
     else:
         values[0] *= factor
     return replace(piece, values=values)
+
+
+LOADS = {
+    (Creep.name, "whole"): Creep(),
+    (ResponseLag.name, "whole"): ResponseLag(),
+    (ResponseLag.name, "running"): ResponseLag(LOADED),
+}
+"""What loads a joint as what is late behind the curve says of one without other loads."""
+
+
+def as_load(piece: Piece) -> Piece | None:
+    """A piece in the balance at the joint, which is as late there without other loads; or None."""
+    term = LOADS.get((piece.term.name, piece.term.form))
+    return None if term is None else replace(piece, term=term)
 
 
 class OwnAmount(Term):

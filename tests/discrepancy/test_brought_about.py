@@ -7,7 +7,7 @@ import pytest
 
 from pipeline.discrepancy.fitting.fit import evaluate
 from pipeline.discrepancy.fitting.ground import ground_of
-from pipeline.discrepancy.judgement.form import brought_about
+from pipeline.discrepancy.judgement.form import brought_about, gives_way, more_of_its_own
 from pipeline.discrepancy.judgement.verdict import without
 from pipeline.discrepancy.noise.learning import learn_noise
 from pipeline.discrepancy.noise.noise import NoiseModel
@@ -59,6 +59,44 @@ def test_a_loop_of_its_own_is_wider_or_narrower_because_of_another_name(
     choice = Choice(replace(fit, pieces=(Piece(own, values), other)), (0, 0, 0), 0.0)
     assert brought_about(own.name, choice) == brought
     assert not brought_about(other.term.name, choice)
+
+
+@pytest.mark.parametrize(("stretch", "sure"), [(0.4, True), (0.001, False)])
+def test_only_a_wire_that_surely_gives_way_brings_about_more(stretch, sure):
+    wire = Piece(SOFT.term, np.array([stretch, 12.0, 0.1, 0.2]))
+    seen = Mechanism(CubicCurve(0.7, 1e-5), [wire]).respond(motion_of())[0]
+    noise = NOISE * np.random.default_rng(3).standard_normal(len(seen))
+    problem = posed(changed(recorded({}), **{ANGLE: seen + noise}))
+    ground = ground_of(problem, NoiseModel(NOISE), problem.train)
+    choice = Choice(evaluate(ground, [wire]), (0, 0, 0), 0.0)
+    assert gives_way(explanation_of([choice]), choice) == sure
+    assert gives_way(explanation_of([choice]), replace(choice, fit=evaluate(ground, ())))
+
+
+def test_a_name_that_the_simulation_has_itself_is_more_of_that():
+    asked, curve = motion_of(), CubicCurve(0.7, 1e-5)
+    late = Mechanism(curve, [Piece(term("response_lag"), np.array([4.0]))]).respond(asked)[0]
+    problem = posed(changed(recorded({}), **{SIMULATED: late}))
+    assert [p.term.name for p in problem.course.pieces] == ["response_lag"]
+    assert more_of_its_own("response_lag", problem)
+    assert more_of_its_own("creep", problem)
+    assert not more_of_its_own("backlash", problem)
+    assert not more_of_its_own("response_lag", posed(recorded({})))
+
+
+def test_a_lag_that_a_simulation_has_lasts_longer_under_a_load():
+    asked, curve = motion_of(), CubicCurve(0.7, 1e-5)
+    lag = Piece(term("response_lag"), np.array([4.0]))
+    weight = Piece(term("gravity"), np.array([12.0, 2.2]))
+    simulated = Mechanism(curve, [lag]).respond(asked)[0]
+    seen = Mechanism(curve, [lag, weight]).respond(asked)[0]
+    noise = NOISE * np.random.default_rng(2).standard_normal(len(seen))
+    recording = changed(recorded({}), **{SIMULATED: simulated, ANGLE: 1.02 * seen + 0.4 + noise})
+    assert posed(recording).loaded.course.joint[0].term.form == "first"
+    result = diagnosed(recording)
+    assert names(result) <= {"gravity", "compliance", "camera_tilt", "lens_distortion"}
+    assert len(names(result)) == 1
+    assert result.diagnoses[0].after.heldout_rmse < 1.05 * NOISE
 
 
 def test_friction_that_a_softer_wire_shows_less_of_is_no_name():

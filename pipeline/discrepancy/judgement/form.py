@@ -8,6 +8,7 @@ import numpy as np
 from pipeline.discrepancy.judgement.verdict import mean_square, without
 from pipeline.discrepancy.judgement.walking_zero import walks_far
 from pipeline.discrepancy.problem.problem import Problem
+from pipeline.discrepancy.search.equivalents import equivalents
 from pipeline.discrepancy.search.explain import Explanation
 from pipeline.discrepancy.search.weighing import Choice, names
 from pipeline.physics.coulomb_friction import CoulombFriction
@@ -15,8 +16,9 @@ from pipeline.physics.friction import Friction
 from pipeline.physics.own_amount import OwnAmount
 
 MANY = 3
-FAINT_ZERO = 0.5
+FAINT_ZERO, FIRM = 0.5, 0.7
 LATE = frozenset({"creep", "frame_lag", "response_lag"})
+LOOPS = LATE | {"friction"}
 GIVE_WAY = frozenset({"compliance", "slack"})
 ALSO = (
     "The corrected simulation also has {said} of the mismatch: {why}, not for physics of its own."
@@ -46,7 +48,7 @@ class Limit(NamedTuple):
 
 LEAST, FAINT = Limit(0.01, 0.02), Limit(0.025, 0.025, 0.35)
 LATE_INSIDE, INSIDE = Limit(0.25, 0.25, 0.75), Limit(0.06, 0.06, 0.6)
-ANY = Limit(np.inf, np.inf)
+UNWITNESSED, ANY = Limit(0.035, 0.05), Limit(np.inf, np.inf)
 
 
 def names_of_form(explanation: Explanation, best: Choice, beyond: bool = False) -> dict[str, float]:
@@ -64,8 +66,9 @@ def names_of_form(explanation: Explanation, best: Choice, beyond: bool = False) 
 
     Where the simulation is a trace with a course in time of its own, terms act on what comes out of
     that, and what they stand for acts inside of it: they have another form there (INSIDE), and come
-    a little early or late (LATE_INSIDE). A zero that walks far is most of any mean square: beside
-    it no share says anything.
+    a little early or late (LATE_INSIDE). Where no cycle repeats another, nothing says what noise
+    is: what is taken for some may be more of such a form (UNWITNESSED). A zero that walks far is
+    most of any mean square: beside it no share says anything.
     """
     if explanation.problem.derivatives is not None:
         return faint_zero(explanation, best) | slip_elements(explanation, best)
@@ -73,6 +76,7 @@ def names_of_form(explanation: Explanation, best: Choice, beyond: bool = False) 
         return {}
     before, begun = mismatch_of(explanation, best), mean_square(explanation, best)
     noise, told, found = best.fit.ground.noise.deviation**2, best, {}
+    sure = gives_way(explanation, best)
     while len(named(told)) > 1:
         formal = []
         left_now = mean_square(explanation, told)
@@ -80,8 +84,8 @@ def names_of_form(explanation: Explanation, best: Choice, beyond: bool = False) 
             trial = told.but_for(name) if beyond else without(explanation, told, name)
             left = mean_square(explanation, trial)
             own = max(left - left_now, 0.0)
-            free = beyond or brought_about(name, told)
-            limits = [ANY] if free else limits_of(name, explanation.problem)
+            free = beyond or (sure and brought_about(name, told))
+            limits = [ANY] if free else limits_of(name, explanation)
             if any(most.holds(own, left - begun, before, noise) for most in limits):
                 formal.append((left, name, own, trial))
         if not formal:
@@ -96,11 +100,24 @@ def named(choice: Choice) -> set[str]:
     return {p.term.name for p in choice.fit.pieces if not p.term.nameless}
 
 
-def limits_of(name: str, problem: Problem) -> list[Limit]:
+def limits_of(name: str, explanation: Explanation) -> list[Limit]:
     """Within any of which a name is form beside others."""
+    problem = explanation.problem
+    unwitnessed = [UNWITNESSED] if explanation.prior.repeats == 0 else []
     inside = [INSIDE] if moves_by_itself(problem) else []
     late = [LATE_INSIDE] if name in LATE and comes_late_by_itself(problem) else []
-    return [LEAST, FAINT, *inside, *late]
+    return [LEAST, FAINT, *unwitnessed, *inside, *late]
+
+
+def gives_way(explanation: Explanation, choice: Choice) -> bool:
+    """Whether a wire surely gives way or hangs slack by itself, or none does of what is named.
+
+    What explains less than FIRM of the noise (RMS) may itself be the form of more friction or lag.
+    """
+    some = sorted(names(choice) & GIVE_WAY)
+    least = (FIRM * choice.fit.ground.noise.deviation) ** 2 + mean_square(explanation, choice)
+    firm = [n for n in some if mean_square(explanation, choice.but_for(n)) > least]
+    return bool(firm) or not some
 
 
 def brought_about(name: str, choice: Choice) -> bool:
@@ -109,12 +126,20 @@ def brought_about(name: str, choice: Choice) -> bool:
     A wire that gives way more or less, or hangs slack, lets the same friction, creep or lag show
     more or less. And what comes late in another way than the simulation's takes the place of that.
     """
-    own = [p for p in choice.fit.pieces if p.term.name == name]
-    if not all(isinstance(p.term, OwnAmount) for p in own):
-        return False
+    told = [p for p in choice.fit.pieces if p.term.name == name]
     others = {p.term.name for p in choice.fit.pieces if p.term.name != name}
-    less = all(p.values[0] < 0.0 for p in own)
-    return bool(others & GIVE_WAY or (less and name in LATE and others & LATE))
+    own = all(isinstance(p.term, OwnAmount) for p in told)
+    if others & GIVE_WAY:
+        return own or more_of_its_own(name, choice.fit.ground.problem)
+    less = own and all(p.values[0] < 0.0 for p in told)
+    return bool(less and name in LATE and others & LATE)
+
+
+def more_of_its_own(name: str, problem: Problem) -> bool:
+    """Whether a simulation has something of that name itself, or what is like it in such data."""
+    has = set() if problem.course is None else {p.term.name for p in problem.course.pieces}
+    like = {name, *equivalents(name, problem)} | (LATE if name in LATE else set())
+    return bool(has & like & LOOPS and name in LOOPS)
 
 
 def slip_elements(explanation: Explanation, best: Choice) -> dict[str, float]:

@@ -93,6 +93,12 @@ class Problem:
             return None
         return replace(self, course=self.course.seen_late)
 
+    @property
+    def loaded(self) -> "Problem | None":
+        """The problem with the simulation's own lag or creep in the balance; None without."""
+        course = None if self.course is None else self.course.under_load
+        return None if course is None else replace(self, course=course)
+
     def trace(self, pieces: Sequence[Piece]) -> Trace:
         """What a mechanism of some pieces does over all rows, without calibration."""
         mechanism = Mechanism(self.curve, pieces, course=self.course)
