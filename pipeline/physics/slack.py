@@ -75,7 +75,7 @@ class Slack(Term):
             ]
         )
 
-    def also_at(self, values: np.ndarray, around: Surroundings) -> tuple[str, ...]:
+    def other_names(self, values: np.ndarray, around: Surroundings) -> tuple[str, ...]:
         """Play, where the joint has next to no spring of its own: what loads it holds it loose."""
         return (Backlash.name,) if values[-1] <= AS_LITTLE * SOFTEST else ()
 

@@ -59,6 +59,6 @@ def test_of_a_small_loop_no_lag_is_taken_that_leaves_much_more_than_friction(kno
 def test_beside_play_of_its_own_no_lag_is_a_form_as_it_is_beside_a_lag(knowing):
     coursed = posed(knowing).coursed
     assert coursed is not None
-    assert INSIDE in limits_of("response_lag", coursed)
-    assert LATE_INSIDE not in limits_of("response_lag", coursed)
-    assert LATE_INSIDE in limits_of("response_lag", posed(knowing).traced)
+    assert INSIDE in limits_of("response_lag", coursed, True)
+    assert LATE_INSIDE not in limits_of("response_lag", coursed, True)
+    assert LATE_INSIDE in limits_of("response_lag", posed(knowing).traced, True)

@@ -14,6 +14,7 @@ from pipeline.discrepancy.search.weighing import Choice, names
 from pipeline.physics.coulomb_friction import CoulombFriction
 from pipeline.physics.friction import Friction
 from pipeline.physics.own_amount import OwnAmount
+from pipeline.physics.slack import Slack
 
 MANY = 3
 FAINT_ZERO, FIRM = 0.5, 0.7
@@ -67,8 +68,9 @@ def names_of_form(explanation: Explanation, best: Choice, beyond: bool = False) 
     Where the simulation is a trace with a course in time of its own, terms act on what comes out of
     that, and what they stand for acts inside of it: they have another form there (INSIDE), and come
     a little early or late (LATE_INSIDE). Where no cycle repeats another, nothing says what noise
-    is: what is taken for some may be more of such a form (UNWITNESSED). A zero that walks far is
-    most of any mean square: beside it no share says anything.
+    is: what is taken for some may be more of such a form (UNWITNESSED), but for slack, which is of
+    one with what else loads the joint. A zero that walks far is most of any mean square: beside it
+    no share says anything.
     """
     if explanation.problem.derivatives is not None:
         return faint_zero(explanation, best) | slip_elements(explanation, best)
@@ -85,7 +87,8 @@ def names_of_form(explanation: Explanation, best: Choice, beyond: bool = False) 
             left = mean_square(explanation, trial)
             own = max(left - left_now, 0.0)
             free = beyond or (sure and brought_about(name, told))
-            limits = [ANY] if free else limits_of(name, explanation)
+            repeats = explanation.prior.repeats > 0
+            limits = [ANY] if free else limits_of(name, explanation.problem, repeats)
             if any(most.holds(own, left - begun, before, noise) for most in limits):
                 formal.append((left, name, own, trial))
         if not formal:
@@ -100,10 +103,9 @@ def named(choice: Choice) -> set[str]:
     return {p.term.name for p in choice.fit.pieces if not p.term.nameless}
 
 
-def limits_of(name: str, explanation: Explanation) -> list[Limit]:
-    """Within any of which a name is form beside others."""
-    problem = explanation.problem
-    unwitnessed = [UNWITNESSED] if explanation.prior.repeats == 0 else []
+def limits_of(name: str, problem: Problem, repeats: bool) -> list[Limit]:
+    """Within any of which a name is form beside others; repeats: whether any cycles repeat."""
+    unwitnessed = [] if repeats or name == Slack.name else [UNWITNESSED]
     inside = [INSIDE] if moves_by_itself(problem) else []
     late = [LATE_INSIDE] if name in LATE and comes_late_by_itself(problem) else []
     return [LEAST, FAINT, *unwitnessed, *inside, *late]

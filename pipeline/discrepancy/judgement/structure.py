@@ -123,10 +123,11 @@ def structure_of(explanation: Explanation, choice: Choice) -> Structure:
 def unless_many_aside(explanation: Explanation, structure: Structure) -> Structure:
     """A structure, if any; else samples that stand off, where they are too many for mistakes.
 
-    The names are those of the other samples, and stay.
+    Old frames are none of them. The names are those of the other samples, and stay.
     """
-    rows = incredible(explanation)
-    share = float(rows.sum() / explanation.problem.train.sum())
+    train, late = explanation.problem.train, late_by(explanation, explanation.choices[0]).late
+    rows = train & explanation.outliers & (late == 0)
+    share = float(rows.sum() / train.sum())
     if structure.found or share <= MOST_MISTAKEN:
         return structure
     off = np.where(explanation.used | rows, explanation.problem.measured, np.nan)
