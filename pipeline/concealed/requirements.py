@@ -63,7 +63,16 @@ def _quantile_of(values: "pd.Series[float]", share: float) -> Figure:
 
 
 def _coverage(cases: pd.DataFrame, intervals: pd.DataFrame) -> Figure:
-    return _share(intervals["covers"]) if len(intervals) else (float("nan"), 0)
+    """Of all cases but those whose simulation has a loop of its own."""
+    return _share(intervals.loc[~_beside_known(cases, intervals), "covers"])
+
+
+def _coverage_beside_known(cases: pd.DataFrame, intervals: pd.DataFrame) -> Figure:
+    return _share(intervals.loc[_beside_known(cases, intervals), "covers"])
+
+
+def _beside_known(cases: pd.DataFrame, intervals: pd.DataFrame) -> "pd.Series[bool]":
+    return intervals["case"].isin(cases.loc[cases["kind"].isin(KNOWN_KINDS), "case"])
 
 
 def _seconds(cases: pd.DataFrame, intervals: pd.DataFrame) -> Figure:
@@ -133,6 +142,7 @@ FURTHER: dict[str, FigureOf] = {
     "the same, later cycles over noise, 90th percentile": _quantile_beside_known(
         "later_over_noise", 0.9
     ),
+    "the same, 95 % intervals cover": _coverage_beside_known,
     "the same, seconds a case, 95th percentile": _quantile_beside_known("seconds", 0.95),
 }
 

@@ -7,7 +7,11 @@ import pytest
 
 from pipeline.discrepancy.fitting.fit import evaluate
 from pipeline.discrepancy.fitting.ground import ground_of
-from pipeline.discrepancy.judgement.form import brought_about, gives_way, more_of_its_own
+from pipeline.discrepancy.judgement.brought_about import (
+    brought_about,
+    gives_way,
+    more_of_its_own,
+)
 from pipeline.discrepancy.judgement.verdict import without
 from pipeline.discrepancy.noise.learning import learn_noise
 from pipeline.discrepancy.noise.noise import NoiseModel

@@ -1,0 +1,46 @@
+"""What other names bring about: more or less of a loop that the simulation runs itself."""
+
+from pipeline.discrepancy.judgement.verdict import mean_square
+from pipeline.discrepancy.problem.problem import Problem
+from pipeline.discrepancy.search.equivalents import equivalents
+from pipeline.discrepancy.search.explain import Explanation
+from pipeline.discrepancy.search.weighing import Choice, names
+from pipeline.physics.own_amount import OwnAmount
+
+FIRM = 0.7
+LATE = frozenset({"creep", "frame_lag", "response_lag"})
+LOOPS = LATE | {"friction"}
+GIVE_WAY = frozenset({"compliance", "slack"})
+
+
+def gives_way(explanation: Explanation, choice: Choice) -> bool:
+    """Whether a wire surely gives way or hangs slack by itself, or none does of what is named.
+
+    What explains less than FIRM of the noise (RMS) may itself be the form of more friction or lag.
+    """
+    some = sorted(names(choice) & GIVE_WAY)
+    least = (FIRM * choice.fit.ground.noise.deviation) ** 2 + mean_square(explanation, choice)
+    firm = [n for n in some if mean_square(explanation, choice.but_for(n)) > least]
+    return bool(firm) or not some
+
+
+def brought_about(name: str, choice: Choice) -> bool:
+    """Whether others bring about that a simulation's own loop is wider or narrower by that name.
+
+    A wire that gives way more or less, or hangs slack, lets the same friction, creep or lag show
+    more or less. And what comes late in another way than the simulation's takes the place of that.
+    """
+    told = [p for p in choice.fit.pieces if p.term.name == name]
+    others = {p.term.name for p in choice.fit.pieces if p.term.name != name}
+    own = all(isinstance(p.term, OwnAmount) for p in told)
+    if others & GIVE_WAY:
+        return own or more_of_its_own(name, choice.fit.ground.problem)
+    less = own and all(p.values[0] < 0.0 for p in told)
+    return bool(less and name in LATE and others & LATE)
+
+
+def more_of_its_own(name: str, problem: Problem) -> bool:
+    """Whether a simulation has something of that name itself, or what is like it in such data."""
+    has = set() if problem.course is None else {p.term.name for p in problem.course.pieces}
+    like = {name, *equivalents(name, problem)} | (LATE if name in LATE else set())
+    return bool(has & like & LOOPS and name in LOOPS)
