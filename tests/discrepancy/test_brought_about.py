@@ -13,7 +13,6 @@ from pipeline.discrepancy.judgement.brought_about import (
     more_of_its_own,
 )
 from pipeline.discrepancy.judgement.verdict import without
-from pipeline.discrepancy.noise.learning import learn_noise
 from pipeline.discrepancy.noise.noise import NoiseModel
 from pipeline.discrepancy.search.weighing import RIVAL_GAP, Choice
 from pipeline.physics.catalogue import term
@@ -28,7 +27,6 @@ from tests.discrepancy.made import (
     changed,
     diagnosed,
     explanation_of,
-    followed,
     motion_of,
     names,
     posed,
@@ -146,18 +144,6 @@ def test_a_piece_is_found_among_others_whatever_numbers_they_have():
     alike = Piece(LATE.term, LATE.values.copy())
     assert LATE in (SOFT, LATE)
     assert LATE not in (SOFT, alike)
-
-
-def test_one_pair_of_cycles_that_meet_by_chance_says_nothing_of_noise():
-    time_s = np.arange(1900) / 14.6
-    asked = 23.0 * np.sin(2.0 * np.pi * time_s / 16.15)
-    rng = np.random.default_rng(0)
-    drifted = 0.4 * np.polynomial.Polynomial([0.0, 1.0, -3.0, 2.4])(time_s / 65.0 - 1.0)
-    seen = asked + drifted + 0.15 * rng.standard_normal(len(asked))
-    problem = posed(followed(time_s, asked, seen, 1.0 / 16.15))
-    prior = learn_noise(problem)
-    assert prior.repeats == 0
-    assert prior.model.deviation == pytest.approx(0.15, rel=0.1)
 
 
 def test_a_ripple_of_few_samples_is_found():

@@ -24,7 +24,6 @@ FINEST = 1e-6
 BESIDE, BROKEN = 6, 6.0
 SURE, UNSURE = 0.08, 0.3
 MOVED = 1e-3
-FEWEST_IN_CONTRASTS, PAIR, MINORITY = 60, 2, 2
 
 
 @dataclass(frozen=True)
@@ -81,8 +80,6 @@ def learn_noise(problem: Problem, expected: np.ndarray | None = None) -> NoisePr
     A contrast is a sum over repeats whose weights cancel what repeats and what grows linearly
     from repeat to repeat, so that physics of either kind is no noise. Of a force against motion,
     what no flexible law of force leaves out (`force_noise.py`).
-    One pair of cycles says little of noise where most cycles repeat none: all that differs between
-    the two, as a drift does, would be noise.
     Cycles in which other axes go elsewhere repeat each other where these surely move nothing.
     expected: (n,) what the measurement would be without noise; the simulation, if not told.
     """
@@ -102,9 +99,8 @@ def learn_noise(problem: Problem, expected: np.ndarray | None = None) -> NoisePr
         (s, stands_in(problem.motion, r)) for r in groups for s in contrasts(residual, r, finest)
     ]
     series, stands = tuple(s for s, _ in found), tuple(still for _, still in found)
-    repeats = sum(len(g) for g in groups)
-    witnessed = repeats > PAIR or MINORITY * repeats >= len(np.unique(problem.cycle[problem.train]))
-    if witnessed and sum(np.isfinite(s).sum() for s in series) >= FEWEST_IN_CONTRASTS:
+    if sum(np.isfinite(s).sum() for s in series) >= 60:
+        repeats = sum(len(g) for g in groups)
         model = fit_noise(series, finest)
         return NoisePrior(model, repeats, SURE, series, finest, stands, tuple(groups))
     rough = (rough_part(residual, problem),)
