@@ -324,15 +324,17 @@ def plainly_told(
 
 
 def without(explanation: Explanation, choice: Choice, name: str) -> Choice:
-    """A choice without a name: refitted, or as likely a one as was found, whichever leaves less.
+    """A choice without a name: refitted, or one found that is as likely and no richer in pieces.
 
-    What stood beside the name may have shrunk to make room for it, and not find back. Beside what
-    is more than its name, no other is of the same names.
+    Whichever leaves less. What stood beside the name may have shrunk to make room for it, and not
+    find back. Beside what is more than its name, no other is of the same names. And what takes the
+    place of a slow change in the rows fitted does not in later ones.
     """
     rest, least = names(choice) - {name}, choice.score + RIVAL_GAP
-    beyond = any(p.term.beyond for p in choice.fit.pieces)
-    likely = [] if beyond else [c for c in explanation.choices if c.score < least]
-    found = [c for c in likely if names(c) == rest]
+    alone = name in choice.fit.slow or any(p.term.beyond for p in choice.fit.pieces)
+    likely = [] if alone else [c for c in explanation.choices if c.score < least]
+    most = len(choice.fit.but_for(name))
+    found = [c for c in likely if names(c) == rest and len(c.fit.pieces) <= most]
     return min([choice.but_for(name), *found], key=lambda c: mean_square(explanation, c))
 
 
