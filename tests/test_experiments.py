@@ -52,13 +52,13 @@ def test_the_gap_is_closed_on_the_emulated_robot(tmp_path, monkeypatch):
 
 @pytest.mark.long
 def test_concealed_effects_are_found_and_the_seals_hold(tmp_path, monkeypatch):
-    counts = "{none:2,walk:0,one:4,two:0,three:0,outside:0,small:0}"
+    counts = "{none:2,walk:0,one:4,two:0,three:0,outside:0,small:0,known_none:0,known_one:2}"
     arguments = ["experiment=concealed", f"concealed.counts={counts}", f"hydra.run.dir={tmp_path}"]
     assert loopgap(monkeypatch, *arguments) == 0
     promised = json.loads((tmp_path / "cases" / "commitments.json").read_text())
-    assert len(promised) == 6
+    assert len(promised) == 8
     outcomes = pd.read_csv(tmp_path / "score" / "outcomes.csv")
-    assert len(outcomes) == 6
+    assert len(outcomes) == 8
     for name in ("requirements", "confusion", "calibration", "effects"):
         assert (tmp_path / "score" / f"{name}.md").stat().st_size > 50
     assert (tmp_path / "score" / "confusion.png").stat().st_size > 5000
