@@ -7,6 +7,7 @@ import numpy as np
 from pipeline.discrepancy.explained import explained
 from pipeline.discrepancy.judgement.beyond import beyond_its_name
 from pipeline.discrepancy.judgement.borne_out import refuted_note
+from pipeline.discrepancy.judgement.brought_about import brought_about
 from pipeline.discrepancy.judgement.cycle_zero import wanders_by_cycle
 from pipeline.discrepancy.judgement.decision import Decision, decided
 from pipeline.discrepancy.judgement.faint import without_faint
@@ -90,7 +91,7 @@ def diagnose_measurement(
         notes=(
             *(accuracy_note(explanation, best) if accurate else ()),
             *refuted_note(decision.refuted),
-            *form_note(formal, best, beyond is not None),
+            *form_note(formal, brought_about(explanation, best), beyond is not None),
             *without_name(best),
             *notes(problem, explanation, best, evidence, every),
         ),

@@ -56,10 +56,7 @@ def otherwise_simulated(problem: Problem, explanation: Explanation) -> Problem |
         return None
     if problem.traced is not None:
         return problem.traced
-    other = problem.elsewhere or problem.late_last
-    if other is None or not promising(other, explanation, lambda term: term.in_balance):
-        return None
-    return other
+    return otherwise_loaded(problem.elsewhere or problem.late_last, explanation)
 
 
 def under_load(problem: Problem, explanation: Explanation) -> Problem | None:
@@ -67,10 +64,14 @@ def under_load(problem: Problem, explanation: Explanation) -> Problem | None:
 
     What holds or frees the joint makes either of another size there.
     """
-    other = problem.loaded
-    if other is None or not unclear(explanation):
+    return otherwise_loaded(problem.loaded, explanation) if unclear(explanation) else None
+
+
+def otherwise_loaded(other: Problem | None, explanation: Explanation) -> Problem | None:
+    """Another problem, if there is one, and what loads the joint explains more there."""
+    if other is None or not promising(other, explanation, lambda term: term.in_balance):
         return None
-    return other if promising(other, explanation, lambda term: term.in_balance) else None
+    return other
 
 
 def otherwise_moved(problem: Problem, explanation: Explanation) -> Problem | None:

@@ -5,6 +5,7 @@ import numpy as np
 from pipeline.number_words import worded
 from pipeline.physics.frame_lag import FrameLag
 from pipeline.physics.held import STEP_AND_WAIT_S, lag_parameter, slewed, usual_lags_s
+from pipeline.physics.limited_motor import LimitedMotor
 from pipeline.physics.motion import Motion
 from pipeline.physics.slewing_motor import (
     NO_FASTER,
@@ -21,7 +22,7 @@ FINELY = 8
 LIMITED = " It rises at {top_speed} at most, and falls at {falling:.2g} times that."
 
 
-class DelayedMotor(Term):
+class DelayedMotor(LimitedMotor):
     """x' = (u(t - dead_time) - x) / tau before gears and wires; in form SLEWING x' <= top_speed.
 
     There it falls `falling` times as fast at most: a load helps it one way, not the other.
@@ -30,13 +31,6 @@ class DelayedMotor(Term):
     Source: first-order lag with dead time (Ziegler and Nichols, Trans. ASME 64 (1942) 759).
     """
 
-    name = "response_lag"
-    site = "body"
-    place = 0.0
-    remembers = "time"
-    group = "lag"
-    timed = True
-    before_curve = True
     far_apart = True
     says = (
         "The motor hears of its command {dead_time} late, and follows it with a time constant of "
@@ -88,13 +82,6 @@ class DelayedMotor(Term):
             return np.array([[dead, lag] for dead in dead_s for lag in lags_s])
         speeds = fastest(around) * np.geomspace(2e-3, 0.25, SPEEDS)
         return np.array([[d, lag, v, 1.0] for d in dead_s for lag in lags_s[:2] for v in speeds])
-
-    def scaled(self, values: np.ndarray, factor: float) -> np.ndarray:
-        """As it is: it does the more, the slower it is."""
-        return values.copy()
-
-    def void(self, values: np.ndarray) -> bool:
-        return False
 
     def other_names(self, values: np.ndarray, around: Surroundings) -> tuple[str, ...]:
         """What is heard late may as well be seen late."""

@@ -3,29 +3,23 @@
 import numpy as np
 
 from pipeline.physics.held import STEP_AND_WAIT_S, followed, lag_parameter, usual_lags_s
+from pipeline.physics.limited_motor import LimitedMotor
 from pipeline.physics.motion import Motion
-from pipeline.physics.term import Parameter, Surroundings, Term
+from pipeline.physics.term import Parameter, Surroundings
 
 SPEEDS = 8
 JUMP, RARE = 0.05, 0.2
 NO_FASTER = "a top speed, which no lag has: what is slower arrives in time"
 
 
-class SlewingMotor(Term):
+class SlewingMotor(LimitedMotor):
     """x' = (u - x) / tau, |x'| <= top_speed, before gears and wires, u held through each dwell.
 
     One that has a top speed alone is `response_lag/top speed`. Exact, however unevenly sampled.
     Source: first-order lag; a rate limiter.
     """
 
-    name = "response_lag"
-    site = "body"
     form = "slewing"
-    place = 0.0
-    remembers = "time"
-    group = "lag"
-    timed = True
-    before_curve = True
     beyond_lone = NO_FASTER
     says = (
         "The motor comes late, with a time constant of {time_constant}, and is never faster than "
@@ -43,13 +37,6 @@ class SlewingMotor(Term):
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
         speeds = fastest(around) * np.geomspace(2e-3, 0.25, SPEEDS)
         return np.array([[lag, speed] for lag in usual_lags_s(around)[::2] for speed in speeds])
-
-    def scaled(self, values: np.ndarray, factor: float) -> np.ndarray:
-        """As it is: it does the more, the slower it is."""
-        return values.copy()
-
-    def void(self, values: np.ndarray) -> bool:
-        return False
 
     def excited(self, motion: Motion, around: Surroundings) -> bool:
         """Where a drive is sampled too often to step and wait, or jumps now and then."""

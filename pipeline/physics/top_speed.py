@@ -3,27 +3,21 @@
 import numpy as np
 
 from pipeline.physics.held import STEP_AND_WAIT_S, followed
+from pipeline.physics.limited_motor import LimitedMotor
 from pipeline.physics.motion import Motion
 from pipeline.physics.slewing_motor import NO_FASTER, speed_parameter, speeds_of_steps
-from pipeline.physics.term import Parameter, Surroundings, Term
+from pipeline.physics.term import Parameter, Surroundings
 
 SOME, SLOWER, FARTHER = (0.3, 0.5, 0.7, 0.85, 0.95), 0.97, 1.2
 
 
-class TopSpeed(Term):
+class TopSpeed(LimitedMotor):
     """|x'| <= top_speed, else x = u, of a command u that is held through each dwell.
 
     Before gears and wires. One that is late besides is `response_lag/slewing`. Source: a rate
     limiter.
     """
 
-    name = "response_lag"
-    site = "body"
-    place = 0.0
-    remembers = "time"
-    group = "lag"
-    timed = True
-    before_curve = True
     beyond_lone = NO_FASTER
     form = "top speed"
     says = "The motor is never faster than {top_speed}: at larger steps it does not arrive."
@@ -42,12 +36,6 @@ class TopSpeed(Term):
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
         return SLOWER * np.unique(np.quantile(speeds_of_steps(motion), SOME))[:, None]
-
-    def scaled(self, values: np.ndarray, factor: float) -> np.ndarray:
-        return values.copy()
-
-    def void(self, values: np.ndarray) -> bool:
-        return False
 
     def excited(self, motion: Motion, around: Surroundings) -> bool:
         """Where a robot that steps and waits goes faster at some of its steps than at others."""

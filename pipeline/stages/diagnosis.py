@@ -8,9 +8,9 @@ import numpy as np
 from pipeline.config import DiagnosisConfig
 from pipeline.discrepancy.diagnose import diagnose_measurement
 from pipeline.discrepancy.model.result import DiagnosisResult
-from pipeline.discrepancy.problem.counting import FEWEST_SAMPLES
 from pipeline.discrepancy.problem.driven import DiagnosisError
 from pipeline.discrepancy.problem.force_problem import pose_force_problem
+from pipeline.discrepancy.problem.known_rows import FEWEST_SAMPLES
 from pipeline.discrepancy.problem.posing import pose_problem
 from pipeline.discrepancy.problem.problem import Problem
 from pipeline.discrepancy.problem.scale import refuse_other_scales

@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 
 from pipeline.config import HeldoutConfig, SimulatedAxis, SimulationConfig
-from pipeline.discrepancy.problem.counting import held_out_rows
+from pipeline.discrepancy.problem.known_rows import held_out_rows
 from pipeline.discrepancy.problem.line import FEWEST, line_in_a_command
 from pipeline.errors import LoopgapError, UsageError, refusal
 from pipeline.physics.assembly import pieces_of

@@ -8,7 +8,7 @@ import pytest
 from pipeline.discrepancy.fitting.fit import evaluate
 from pipeline.discrepancy.fitting.ground import ground_of
 from pipeline.discrepancy.judgement.brought_about import (
-    brought_about,
+    follows_from_others,
     gives_way,
     more_of_its_own,
 )
@@ -59,8 +59,8 @@ def test_a_loop_of_its_own_is_wider_or_narrower_because_of_another_name(
     problem = posed(recorded({}))
     fit = evaluate(ground_of(problem, NoiseModel(NOISE), problem.train), ())
     choice = Choice(replace(fit, pieces=(Piece(own, values), other)), (0, 0, 0), 0.0)
-    assert brought_about(own.name, choice) == brought
-    assert not brought_about(other.term.name, choice)
+    assert follows_from_others(own.name, choice) == brought
+    assert not follows_from_others(other.term.name, choice)
 
 
 @pytest.mark.parametrize(("stretch", "sure"), [(0.4, True), (0.001, False)])

@@ -9,7 +9,7 @@ import pytest
 
 from pipeline.config import HeldoutConfig
 from pipeline.discrepancy.model.result import as_json
-from pipeline.discrepancy.problem.counting import held_out_rows
+from pipeline.discrepancy.problem.known_rows import held_out_rows
 from pipeline.physics.motion import Motion
 from pipeline.recording import Channel, Recording, with_context
 from tests.discrepancy.made import (

@@ -77,7 +77,7 @@ def test_beside_what_has_no_name_all_but_one_name_are_its_form(snaps, beyond, fo
     found = explanation_of([best, base])
     assert best.fit.but_for("friction") == best.fit.pieces[:2]
     assert set(names_of_form(found, best, beyond)) == formal
-    (note,) = form_note({RIPPLE.name: 0.3}, best, beyond)
+    (note,) = form_note({RIPPLE.name: 0.3}, (), beyond)
     assert ("beside what has no name" in note) == beyond
 
 

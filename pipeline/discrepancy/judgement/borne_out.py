@@ -25,7 +25,7 @@ def borne_out(problem: Problem, explanation: Explanation, best: Choice) -> Choic
     Such a name follows in the training rows what is not there in the others: a slip, say, a zero
     that walks away and comes back.
     """
-    fewer = [without(explanation, best, name) for name in sorted(names(best))]
+    fewer = [likeliest_without(explanation, best, name) for name in sorted(names(best))]
     rows = foretold(problem, explanation, best)
     if not (fewer and rows.any()):
         return best
@@ -62,7 +62,7 @@ def error_on(problem: Problem, choice: Choice, rows: np.ndarray) -> float:
     return root_mean((problem.measured - predicted)[rows] ** 2)
 
 
-def without(explanation: Explanation, choice: Choice, name: str) -> Choice:
+def likeliest_without(explanation: Explanation, choice: Choice, name: str) -> Choice:
     """The best choice of all names but one, or else what a choice comes to without its pieces."""
     found = [c for c in explanation.choices if names(c) == names(choice) - {name}]
     if found:

@@ -13,6 +13,18 @@ LOOPS = LATE | {"friction"}
 GIVE_WAY = frozenset({"compliance", "slack"})
 
 
+def brought_about(explanation: Explanation, choice: Choice) -> frozenset[str]:
+    """Names by which a simulation's own loop is wider or narrower, as others bring about.
+
+    A wire that gives way more or less, or hangs slack, lets the same friction, creep or lag show
+    more or less, if it surely does. And what comes late in another way than the simulation's takes
+    the place of that.
+    """
+    told = names(choice)
+    found = frozenset(n for n in told if told - {n} and follows_from_others(n, choice))
+    return found if not found or gives_way(explanation, choice) else frozenset()
+
+
 def gives_way(explanation: Explanation, choice: Choice) -> bool:
     """Whether a wire surely gives way or hangs slack by itself, or none does of what is named.
 
@@ -24,14 +36,10 @@ def gives_way(explanation: Explanation, choice: Choice) -> bool:
     return bool(firm) or not some
 
 
-def brought_about(name: str, choice: Choice) -> bool:
-    """Whether others bring about that a simulation's own loop is wider or narrower by that name.
-
-    A wire that gives way more or less, or hangs slack, lets the same friction, creep or lag show
-    more or less. And what comes late in another way than the simulation's takes the place of that.
-    """
+def follows_from_others(name: str, choice: Choice) -> bool:
+    """Whether others of a choice may bring about what is told by a name."""
     told = [p for p in choice.fit.pieces if p.term.name == name]
-    others = {p.term.name for p in choice.fit.pieces if p.term.name != name}
+    others = names(choice) - {name}
     own = all(isinstance(p.term, OwnAmount) for p in told)
     if others & GIVE_WAY:
         return own or more_of_its_own(name, choice.fit.ground.problem)

@@ -1,11 +1,11 @@
 """Names that explain so little of a mismatch that they are the form of the others."""
 
-from collections.abc import Mapping
+from collections.abc import Container, Mapping
 from typing import NamedTuple
 
 import numpy as np
 
-from pipeline.discrepancy.judgement.brought_about import LATE, brought_about, gives_way
+from pipeline.discrepancy.judgement.brought_about import LATE, brought_about
 from pipeline.discrepancy.judgement.verdict import mean_square, without
 from pipeline.discrepancy.judgement.walking_zero import walks_far
 from pipeline.discrepancy.problem.problem import Problem
@@ -74,15 +74,14 @@ def names_of_form(explanation: Explanation, best: Choice, beyond: bool = False) 
         return {}
     before, begun = mismatch_of(explanation, best), mean_square(explanation, best)
     noise, told, found = best.fit.ground.noise.deviation**2, best, {}
-    sure = gives_way(explanation, best)
     while len(named(told)) > 1:
-        formal = []
+        formal, brought = [], brought_about(explanation, told)
         left_now = mean_square(explanation, told)
         for name in named(told):
             trial = told.but_for(name) if beyond else without(explanation, told, name)
             left = mean_square(explanation, trial)
             own = max(left - left_now, 0.0)
-            free = beyond or (sure and brought_about(name, told))
+            free = beyond or name in brought
             repeats = explanation.prior.repeats > 0
             limits = [ANY] if free else limits_of(name, explanation.problem, repeats)
             if any(most.holds(own, left - begun, before, noise) for most in limits):
@@ -165,10 +164,15 @@ def mismatch_of(explanation: Explanation, best: Choice) -> float:
     return mean_square(explanation, base) - best.fit.ground.noise.deviation**2
 
 
-def form_note(formal: Mapping[str, float], best: Choice, beyond: bool = False) -> list[str]:
-    """What the corrected simulation follows besides what is named, and by how much."""
-    brought = {n: share for n, share in formal.items() if brought_about(n, best)}
-    little = {n: share for n, share in formal.items() if n not in brought}
+def form_note(
+    formal: Mapping[str, float], about: Container[str], beyond: bool = False
+) -> list[str]:
+    """What the corrected simulation follows besides what is named, and by how much.
+
+    about: names of what others bring about.
+    """
+    brought = {n: share for n, share in formal.items() if n in about}
+    little = {n: share for n, share in formal.items() if n not in about}
     why = BESIDE_BEYOND if beyond else SO_LITTLE
     told = ((little, why), (brought, BROUGHT_ABOUT))
     return [ALSO.format(said=shares_in_words(some), why=why) for some, why in told if some]

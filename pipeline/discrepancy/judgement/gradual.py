@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from pipeline.discrepancy.fitting.moments import moments_of, moved
-from pipeline.discrepancy.judgement.borne_out import without
+from pipeline.discrepancy.judgement.borne_out import likeliest_without
 from pipeline.discrepancy.judgement.rivals import predicted_by
 from pipeline.discrepancy.model.intervals import moment_interval
 from pipeline.discrepancy.problem.problem import Problem
@@ -27,7 +27,7 @@ def unless_gradual(problem: Problem, explanation: Explanation, best: Choice) -> 
         if isinstance(piece.term, LostSteps):
             for j in moments_of(best.fit, piece):
                 if is_gradual(problem, best, k, j):
-                    return without(explanation, best, LostSteps.name)
+                    return likeliest_without(explanation, best, LostSteps.name)
     return best
 
 

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 
 from pipeline.config import DiagnosisConfig
-from pipeline.discrepancy.problem.counting import held_out_rows, refuse_unfit
 from pipeline.discrepancy.problem.fitted import goes_by, tolerance_of_fit, tolerance_of_rigid
+from pipeline.discrepancy.problem.known_rows import held_out_rows, refuse_unfit
 from pipeline.discrepancy.problem.problem import Problem
 from pipeline.discrepancy.problem.repeats import driven_again, rows_of_cycles
 from pipeline.discrepancy.problem.rows import Averaged, one_after_another

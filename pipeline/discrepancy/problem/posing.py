@@ -6,7 +6,6 @@ from typing import NamedTuple
 import numpy as np
 
 from pipeline.config import DiagnosisConfig
-from pipeline.discrepancy.problem.counting import fresh_samples, rows_that_count
 from pipeline.discrepancy.problem.counts import uncounted
 from pipeline.discrepancy.problem.course_trial import Course
 from pipeline.discrepancy.problem.driven import (
@@ -18,6 +17,7 @@ from pipeline.discrepancy.problem.driven import (
 )
 from pipeline.discrepancy.problem.fitted import LOOSE_GAIN, tolerance_of_fit
 from pipeline.discrepancy.problem.jumping import between_branches
+from pipeline.discrepancy.problem.known_rows import fresh_samples, rows_that_count
 from pipeline.discrepancy.problem.levels import levels_read
 from pipeline.discrepancy.problem.line import line_in_a_command, own_commands
 from pipeline.discrepancy.problem.own_dynamics import beside_curve
