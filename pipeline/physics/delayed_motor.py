@@ -60,8 +60,8 @@ class DelayedMotor(LimitedMotor):
     def respond(
         self, signal: np.ndarray, motion: Motion, values: np.ndarray, state: np.ndarray | None
     ) -> tuple[np.ndarray, np.ndarray]:
-        first = motion.time_s[0], signal[0]
-        time_s, asked = (first, first) if state is None else np.split(state[1:], 2)
+        first = motion.time_s[:1], signal[:1]
+        time_s, asked = first if state is None else np.split(state[1:], 2)
         time_s, asked = np.append(time_s, motion.time_s), np.append(asked, signal)
         begun = len(time_s) - len(signal)
         shares = np.arange(1, FINELY + 1) / FINELY

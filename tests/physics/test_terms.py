@@ -25,6 +25,7 @@ from pipeline.physics.term import LAST, Surroundings, Term, TermError, values_of
 
 OTHER = "yaw_command_deg"
 CURVE = CubicCurve(0.7, 1e-5)
+LATE = ("response_lag", "frame_lag")
 EVERY = [*with_richer(terms([OTHER])), WORN, QUEUE, *RECURRING, *SKIPS, *RUBBING]
 
 
@@ -117,6 +118,14 @@ def test_blocks_answer_as_all_at_once(physics):
         angle, state = mechanism.respond(motion.rows(part), state)
         parts.append(angle)
     np.testing.assert_allclose(np.concatenate(parts), whole, atol=5e-6)
+
+
+@pytest.mark.parametrize("late", [t for t in EVERY if t.name in LATE], ids=named)
+def test_what_comes_late_begins_where_the_drive_stands_whenever_that_is(late):
+    motion = replace(triangle(), drive=triangle().drive - 35.0)
+    values = values_of(late, around(motion), {})
+    begun = Mechanism(CURVE, (Piece(late, values),)).respond(motion)[0][0]
+    assert begun == pytest.approx(Mechanism(CURVE).respond(motion)[0][0], abs=0.01)
 
 
 def test_a_term_of_no_name_is_refused_with_those_that_exist():
