@@ -96,8 +96,9 @@ class Slack(Term):
         return [[(SoftWire("toe"), np.array(toe))]]
 
     def excited(self, motion: Motion, around: Surroundings) -> bool:
-        """Form "home" where the drive passes 0."""
-        home = around.drive_low < 0.0 < around.drive_low + around.drive_span
+        """Form "home" where the drive passes 0, or comes near it from one side only."""
+        near, high = EDGE * around.drive_span, around.drive_low + around.drive_span
+        home = around.drive_low - near < 0.0 < high + near
         return around.drive_span > 0.0 and (home or HOME not in self.form)
 
 
@@ -112,6 +113,6 @@ def apart(width: float) -> int:
 
 
 STIFFNESS, SOFTEST, AS_LITTLE = 0.03, 0.01, 1.001
-CENTRES = 0.25
+CENTRES, EDGE = 0.25, 0.05
 MOST_SHARP = 400.0
 LEAST_LEFT, FIRM = 0.05, 50.0

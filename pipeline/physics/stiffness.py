@@ -24,31 +24,35 @@ class Stiffness(ForceTerm):
     """F = stiffness * x, x the position from its own zero; the rest is part of the offset.
 
     Forms: "asymmetric" differs for the two sides of zero, x (1 + asymmetry sgn x); "hardening" adds
-    a cube, x (1 + hardening x^2). "gas" is a gas of which a way x takes the share filling x of the
-    room that it has at x = 0, x -> ((1 - filling x)^-POLYTROPIC - 1) / (POLYTROPIC filling): harder
-    and harder one way, softer the other. Source: Hooke's law; Duffing (1918); polytropic change of
-    state, e.g. Bauer, Hydropneumatic Suspension Systems (2011).
+    a cube, x (1 + hardening x^2); "asymmetric hardening" does both, each to x itself. "gas" is a
+    gas of which a way x takes the share filling x of the room that it has at x = 0,
+    x -> ((1 - filling x)^-POLYTROPIC - 1) / (POLYTROPIC filling): harder and harder one way, softer
+    the other. Source: Hooke's law; Duffing (1918); polytropic change of state, e.g. Bauer,
+    Hydropneumatic Suspension Systems (2011).
     """
 
     name = "stiffness"
     place = 140.0
-    grows: ClassVar = {"": ("asymmetric", "hardening", "gas")}
+    grows: ClassVar = {
+        "": ("asymmetric", "hardening", "gas"),
+        "asymmetric": ("asymmetric hardening",),
+        "hardening": ("asymmetric hardening",),
+    }
     means = "a force that grows with the position, like a spring's"
     says = "A spring of {stiffness} pushes back."
 
     def parameters(self, around: Surroundings) -> tuple[Parameter, ...]:
         most = 4.0 * around.angle_span / max(around.drive_span, 1e-12)
         own = size("stiffness", per(around, 0), most, around)
-        if self.form == "asymmetric":
-            return (own, ASYMMETRY)
-        if self.form == "hardening":
+        aside = (ASYMMETRY,) if "asymmetric" in self.form else ()
+        if "hardening" in self.form:
             far, unit = farthest(around), f"1/{around.drive_unit}^2"
-            return (own, Parameter("hardening", unit, -1.0 / far**2, MOST / far**2, 0.0,
-                                   0.5 / far**2))  # fmt: skip
+            return (own, *aside, Parameter("hardening", unit, -1.0 / far**2, MOST / far**2, 0.0,
+                                           0.5 / far**2))  # fmt: skip
         if self.form == "gas":
             most = FULLEST / farthest(around)
             return (own, Parameter("filling", f"1/{around.drive_unit}", -most, most, 0.0, most))
-        return (own,)
+        return (own, *aside)
 
     def candidates(self, motion: Motion, around: Surroundings) -> np.ndarray:
         found = super().candidates(motion, around)
@@ -64,13 +68,12 @@ class Stiffness(ForceTerm):
         self, motion: Motion, kinetics: Kinetics, values: np.ndarray, state: np.ndarray | None
     ) -> tuple[np.ndarray, np.ndarray | None]:
         x = motion.drive
-        if self.form == "asymmetric":
-            x = weighted(x, float(values[1]))
-        elif self.form == "hardening":
-            x = x * (1.0 + values[1] * x * x)
-        elif self.form == "gas":
-            x = compressed(x, float(values[1]))
-        return values[0] * x, state
+        if self.form == "gas":
+            return values[0] * compressed(x, float(values[1])), state
+        pushed = weighted(x, float(values[1])) if "asymmetric" in self.form else x
+        if "hardening" in self.form:
+            pushed = pushed + values[-1] * x**3
+        return values[0] * pushed, state
 
     def sentence(self, values: np.ndarray, around: Surroundings) -> str:
         told = super().sentence(values, around)

@@ -6,7 +6,13 @@ import numpy as np
 import pytest
 
 from pipeline.discrepancy.fitting.ground import ground_of
-from pipeline.discrepancy.judgement.borne_out import borne_out, refuted_note
+from pipeline.discrepancy.judgement.borne_out import (
+    NO_BETTER,
+    borne_out,
+    error_on,
+    foretold,
+    refuted_note,
+)
 from pipeline.discrepancy.judgement.mistaken import follow_the_drive
 from pipeline.discrepancy.noise.noise import NoiseModel
 from pipeline.recording import reversals_of
@@ -74,3 +80,32 @@ def test_rows_that_stand_off_after_reversals_follow_the_drive():
         samples = recording.samples.copy()
         samples.loc[rows, ANGLE] += 20.0 * NOISE * rng.choice([-1.0, 1.0], len(rows))
         assert follow_the_drive(explained(replace(recording, samples=samples))) is follow
+
+
+def test_names_of_which_each_needs_the_others_go_together_where_none_is_better():
+    problem = posed(recorded({}, cycles=9, gain=1.0, offset=0.0))
+    ground = ground_of(problem, NoiseModel(NOISE), problem.train)
+    false = {
+        "friction": [4.8, 2.0, 0.0],
+        "lost_steps": [8.0, SLIP["time"]],
+        "transmission_ripple": [4.5, 30.0, 0.0],
+    }
+    every, plain = chosen(ground, 0.0, **false), chosen(ground, 90.0)
+    pairs = [
+        chosen(ground, 50.0, **{k: v for k, v in false.items() if k != name}) for name in false
+    ]
+    rows = foretold(problem, explanation_of([every]), every)
+    errors = [error_on(problem, choice, rows) for choice in (every, *pairs)]
+    assert 1.5 * min(errors[1:]) > errors[0]
+    assert borne_out(problem, explanation_of([every, *pairs, plain]), every) is plain
+
+
+def test_beside_held_out_rows_that_are_not_foretold_each_name_has_to_help():
+    problem = posed(recorded({"friction": FRICTION}, cycles=9, gain=1.0, offset=0.0))
+    ground = ground_of(problem, NoiseModel(NOISE), problem.train)
+    friction = [*FRICTION.values()]
+    both = chosen(ground, 0.0, friction=friction, transmission_ripple=[0.3, 9.0, 0.0])
+    plain = chosen(ground, 10.0, friction=friction)
+    explanation = explanation_of([both, plain, chosen(ground, 900.0)])
+    assert borne_out(problem, explanation, both) is both
+    assert borne_out(problem, explanation, both, NO_BETTER) is plain

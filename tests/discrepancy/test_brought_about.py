@@ -8,8 +8,10 @@ import pytest
 from pipeline.discrepancy.fitting.fit import evaluate
 from pipeline.discrepancy.fitting.ground import ground_of
 from pipeline.discrepancy.judgement.brought_about import (
+    MUCH_MORE,
+    by_giving_way,
+    explained_by,
     follows_from_others,
-    gives_way,
     more_of_its_own,
 )
 from pipeline.discrepancy.judgement.verdict import without
@@ -71,8 +73,10 @@ def test_only_a_wire_that_surely_gives_way_brings_about_more(stretch, sure):
     problem = posed(changed(recorded({}), **{ANGLE: seen + noise}))
     ground = ground_of(problem, NoiseModel(NOISE), problem.train)
     choice = Choice(evaluate(ground, [wire]), (0, 0, 0), 0.0)
-    assert gives_way(explanation_of([choice]), choice) == sure
-    assert gives_way(explanation_of([choice]), replace(choice, fit=evaluate(ground, ())))
+    explanation = explanation_of([choice])
+    wire_alone = explained_by(explanation, choice, "compliance")
+    most = by_giving_way(explanation, choice)
+    assert most == pytest.approx(MUCH_MORE**2 * wire_alone if sure else 0.0)
 
 
 def test_a_name_that_the_simulation_has_itself_is_more_of_that():

@@ -60,6 +60,17 @@ def test_beside_slips_a_zero_wanders_that_does_by_much_and_takes_none_of_them_ba
     assert wanders_by_cycle(chosen(ground, 0.0, lost_steps=[jump, 1000.0])) == wanders
 
 
+@pytest.mark.parametrize(("size", "found"), [(0.2, set()), (1.0, {"drift"})])
+def test_of_few_cycles_a_zero_has_to_wander_by_much_more_and_may_have_slipped(size, found):
+    whole = recorded({}, cycles=4, seed=5)
+    zeros = size * np.array([0.0, 1.2, -0.3, -1.0])
+    angle = whole.samples[ANGLE] + zeros[whole.samples["cycle"]]
+    result = diagnosed(changed(whole, **{ANGLE: angle}))
+    assert names(result) == found
+    for physics in result.diagnoses[0].physics:
+        assert physics.alternatives == ("lost_steps",)
+
+
 def test_a_slip_in_a_held_out_cycle_is_not_refuted_by_that_cycle():
     result = diagnosed(recorded({"lost_steps": {"jump": 5.0, "time": 1000.0}}, seed=11))
     assert names(result) == {"lost_steps"}

@@ -301,3 +301,12 @@ def test_a_damper_that_fades_as_it_warms_up_is_no_constant_one(fades: float):
     found = diagnosed(x, 60.0 * v * warm + dahl(t, x, 6.0, 4e-4), rng)
     told = found.verdict, found.unexplained.where == CHANGES
     assert told == (("partly_explained", True) if fades else ("explained", False))
+
+
+def test_a_spring_may_be_softer_on_one_side_and_harden_on_both():
+    t, x, rng = motion(11)
+    far = float(np.max(np.abs(x)))
+    spring = 800.0 * (x * (1.0 - 0.3 * np.sign(x)) + 1.5 * x**3 / far**2)
+    found = diagnosed(x, spring + dahl(t, x, 6.0, 4e-4), rng)
+    sizes = {"stiffness.stiffness": 800.0, "stiffness.hardening": 1.5 / far**2}
+    assert_told(found, {"stiffness", "coulomb_friction"}, sizes)

@@ -150,3 +150,12 @@ def test_tails_of_what_is_read_in_levels_throw_none_far() -> None:
         ground = ground_of(told, NoiseModel(0.1), problem.train & ~odd)
         explanation = replace(explanation_of([chosen(ground, 0.0)]), outliers=odd)
         assert of_heavy_tails(explanation) == tails
+
+
+def test_the_places_that_a_command_comes_back_to_are_no_levels() -> None:
+    rng = np.random.default_rng(4)
+    places = np.tile(np.arange(15.0, 60.0, 10.0), 20)
+    readings = places + 0.01 * rng.standard_normal(100)
+    readings[5:10] = readings[:5]
+    assert levels_read(readings, readings) is None
+    assert levels_read(places, places) is not None

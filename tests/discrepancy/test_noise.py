@@ -164,3 +164,8 @@ def test_a_slip_before_a_dead_zone_is_no_noise_once_it_is_explained():
     assert set(found.choices[0].fit.names) == {"lost_steps", "slack"}
     assert found.prior.model.deviation == pytest.approx(NOISE, rel=0.05)
     assert not refuted(found.search, found.choices[0])
+
+
+def test_without_contrasts_nothing_says_how_far_repeats_differ():
+    assert NoisePrior(NoiseModel(white=0.2), 0, 0.3, ()).differing == np.inf
+    assert NoisePrior(NoiseModel(0.2), 2, 0.3, (np.array([0.3, -0.3]),)).differing == 0.3

@@ -9,8 +9,13 @@ import pytest
 from pipeline.discrepancy.fitting.fit import evaluate
 from pipeline.discrepancy.fitting.ground import ground_of
 from pipeline.discrepancy.judgement import mistaken
-from pipeline.discrepancy.judgement.mistaken import after_some, on_their_way, share_and_size
-from pipeline.discrepancy.judgement.structure import RINGS
+from pipeline.discrepancy.judgement.mistaken import (
+    after_other_steps,
+    after_some,
+    on_their_way,
+    share_and_size,
+)
+from pipeline.discrepancy.judgement.structure import RARE, RINGS
 from pipeline.discrepancy.noise.noise import NoiseModel
 from pipeline.discrepancy.problem.outliers import bursts, isolated, longest_burst
 from pipeline.discrepancy.search.counted import between_slips
@@ -125,6 +130,25 @@ def test_what_stands_off_after_some_steps_only_was_not_mistaken(ringing: bool) -
     explanation = replace(explanation_of([chosen(ground, 0.0)]), outliers=off > 0.0)
     steps = np.abs(np.diff(explanation.problem.motion.drive))
     assert after_some(steps, explanation) == ringing
+
+
+@pytest.mark.parametrize("ringing", [True, False])
+def test_what_goes_on_standing_off_after_a_jump_was_not_mistaken(ringing: bool) -> None:
+    rng, plain = np.random.default_rng(6), recorded({})
+    n = len(plain.samples)
+    jumps = np.arange(100, n, 200)
+    command = 20.0 * np.sin(0.1 * np.arange(n)) + 15.0 * (np.arange(n) % 400 // 200)
+    rows = jumps[:, None] + np.array([3, 5, 8, 11]) if ringing else rng.choice(n, 16, replace=False)
+    off = np.zeros(n)
+    off[rows] = 5.0
+    command += np.cumsum(np.isin(np.arange(n), jumps) * 8.0 * (-1.0) ** (np.arange(n) // 200))
+    angle = CubicCurve(0.7, 1e-5)(command)
+    measured = angle + off + NOISE * rng.standard_normal(n)
+    columns = {"pitch_command_deg": command, SIMULATED: angle, ANGLE: measured}
+    problem = posed(changed(plain, **columns))
+    ground = ground_of(problem, NoiseModel(NOISE), problem.train & (off == 0.0))
+    explanation = replace(explanation_of([chosen(ground, 0.0)]), outliers=off > 0.0)
+    assert (after_other_steps(explanation) < RARE) == ringing
 
 
 @pytest.mark.parametrize("ringing", [True, False])

@@ -111,6 +111,8 @@ def test_so_many_samples_say_of_the_noise_what_one_would(correlation):
 def test_a_zero_that_walks_by_many_times_the_noise_is_not_all_said(times, said):
     problem, every = posed(), np.ones(ROWS, dtype=bool)
     assert strained(problem, left(problem, times, times), every, WALK) == said
+    assert strained(problem, left(problem, times, times), every, WALK, 9.0) == WALKS
+    assert strained(problem, left(problem, times, times), every, WALK, np.inf) is None
     assert strained(problem, left(problem, times, times), every, NOISE) is None
 
 

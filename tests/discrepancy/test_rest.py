@@ -9,16 +9,17 @@ from pipeline.discrepancy.fitting.fit import evaluate
 from pipeline.discrepancy.fitting.ground import ground_of
 from pipeline.discrepancy.judgement.rest import (
     DOUBTED,
+    Rest,
     common_size,
     repeated_rest,
     structured_rest,
 )
-from pipeline.discrepancy.judgement.structure import of_repeats
+from pipeline.discrepancy.judgement.structure import of_curves, of_repeats
 from pipeline.discrepancy.noise.learning import learn_noise
 from pipeline.discrepancy.noise.noise import NoiseModel
 from pipeline.discrepancy.search.weighing import Choice
 from pipeline.physics.play_operator import play
-from tests.discrepancy.made import explanation_of, followed, posed, strokes
+from tests.discrepancy.made import chosen, explanation_of, followed, posed, strokes
 
 CORRELATION, NOISE = 0.85, 0.15
 
@@ -101,3 +102,16 @@ def test_noise_that_is_drawn_is_as_its_model_says():
     assert np.mean(own[:, 1:] * own[:, :-1]) == pytest.approx(0.7 * 0.3**2, rel=0.15)
     walk = NoiseModel(white=0.0, walk=0.2).drawn(cycle, still, np.random.default_rng(2))
     assert np.std(np.diff(walk)) == pytest.approx(0.2, rel=0.05)
+
+
+@pytest.mark.parametrize(
+    ("walk", "named", "found"), [(0.01, False, True), (0.0, False, False), (0.01, True, False)]
+)
+def test_beside_a_zero_that_walks_the_size_of_a_rest_says_nothing_without_names(walk, named, found):
+    cycle = np.repeat(np.arange(4), 100)
+    drive = strokes(np.array([40.0, -40.0] * 4), 50)
+    problem = posed(followed(np.arange(len(cycle), dtype=float), drive, drive, 1.0))
+    ground = ground_of(problem, NoiseModel(white=NOISE, walk=walk), problem.train)
+    choice = chosen(ground, 0.0, **({"backlash": [0.1]} if named else {}))
+    rests = [Rest("the gain in each cycle", 52.0, 10, 1e-7, 0.1 * NOISE)]
+    assert (of_curves(rests, choice) is not None) == found

@@ -10,7 +10,8 @@ from pipeline.discrepancy.search.moves import parted
 from pipeline.discrepancy.search.ties import standing
 from pipeline.physics.catalogue import term
 from pipeline.physics.piece import Piece
-from tests.discrepancy.made import explained, recorded
+from pipeline.physics.term import Surroundings
+from tests.discrepancy.made import explained, motion_of, recorded
 
 
 @pytest.mark.parametrize(
@@ -97,3 +98,9 @@ def test_wire_that_stiffens_at_once_where_another_spring_takes_over_is_complianc
     hidden = {"compliance/driven": {"softness": 0.25, "reach": 18.0, "abruptness": 30.0}}
     best = explained(recorded(hidden, noise=0.1)).choices[0]
     assert best.fit.names == ("compliance",)
+
+
+@pytest.mark.parametrize(("low", "near"), [(0.0, True), (-3.0, True), (2.0, True), (20.0, False)])
+def test_slack_round_home_shows_where_the_drive_comes_near_that_from_one_side(low, near):
+    around = Surroundings(drive_span=100.0, drive_low=low)
+    assert term("slack", "home").excited(motion_of(), around) == near

@@ -7,7 +7,7 @@ from pipeline.discrepancy.search.explain import Explanation
 from pipeline.discrepancy.search.weighing import Choice, names
 from pipeline.physics.own_amount import OwnAmount
 
-FIRM = 0.7
+FIRM, MUCH_MORE = 0.7, 10.0
 LATE = frozenset({"creep", "frame_lag", "response_lag"})
 LOOPS = LATE | {"friction"}
 GIVE_WAY = frozenset({"compliance", "slack"})
@@ -21,19 +21,30 @@ def brought_about(explanation: Explanation, choice: Choice) -> frozenset[str]:
     the place of that.
     """
     told = names(choice)
-    found = frozenset(n for n in told if told - {n} and follows_from_others(n, choice))
-    return found if not found or gives_way(explanation, choice) else frozenset()
+    found = {n for n in told if told - {n} and follows_from_others(n, choice)}
+    if told & GIVE_WAY:
+        most = by_giving_way(explanation, choice)
+        found = {n for n in found if explained_by(explanation, choice, n) < most}
+    return frozenset(found)
 
 
-def gives_way(explanation: Explanation, choice: Choice) -> bool:
-    """Whether a wire surely gives way or hangs slack by itself, or none does of what is named.
+def by_giving_way(explanation: Explanation, choice: Choice) -> float:
+    """The most of a loop (mean square) that a wire which gives way or hangs slack may bring about.
 
-    What explains less than FIRM of the noise (RMS) may itself be the form of more friction or lag.
+    A loop is much more visible than what a wire does by itself, which calibration takes the most
+    of, but no more than MUCH_MORE (RMS). Nothing where that is less than FIRM of the noise: it may
+    itself be the form of more friction or lag.
     """
-    some = sorted(names(choice) & GIVE_WAY)
-    least = (FIRM * choice.fit.ground.noise.deviation) ** 2 + mean_square(explanation, choice)
-    firm = [n for n in some if mean_square(explanation, choice.but_for(n)) > least]
-    return bool(firm) or not some
+    some = names(choice) & GIVE_WAY
+    most = max(explained_by(explanation, choice, name) for name in some)
+    firm = most > (FIRM * choice.fit.ground.noise.deviation) ** 2
+    return MUCH_MORE**2 * most if firm else 0.0
+
+
+def explained_by(explanation: Explanation, choice: Choice, name: str) -> float:
+    """What a name explains beside the others (mean square)."""
+    left = mean_square(explanation, choice.but_for(name))
+    return left - mean_square(explanation, choice)
 
 
 def follows_from_others(name: str, choice: Choice) -> bool:

@@ -10,7 +10,7 @@ from pipeline.number_words import worded
 from pipeline.physics.drift import Drift
 from pipeline.physics.lost_steps import LostSteps
 
-FEWEST_CYCLES, BESIDE_SLIPS = 5, 2.0
+FEWEST_CYCLES, ENOUGH_CYCLES, BESIDE_SLIPS, OF_FEW = 3, 5, 2.0, 2.0
 SURELY, WITHIN = 0.9, 0.95
 SAYS = "The zero is another one in each cycle, by about {size} {unit}: no command foretells it."
 OR_SLIPPED = " It stands at two levels, one after the other: one slip in between leaves the same."
@@ -19,7 +19,8 @@ OR_SLIPPED = " It stands at two levels, one after the other: one slip in between
 def wanders_by_cycle(choice: Choice) -> bool:
     """Whether each cycle's zero surely jitters by more than the noise, beside slips by much more.
 
-    Slips that are named take some of it. Where a drift is, that is it.
+    Slips that are named take some of it. Where a drift is, that is it. Of few cycles it has to be
+    much more, too, for their zeros may differ so by chance.
     """
     noise = choice.fit.ground.noise
     if noise.jitter == 0.0 or Drift.name in choice.fit.slow:
@@ -27,7 +28,9 @@ def wanders_by_cycle(choice: Choice) -> bool:
     if choice.fit.slow and not leaves_less(choice):
         return False
     means, least = zeros_of(choice), noise.deviation * (BESIDE_SLIPS if choice.fit.slow else 1.0)
-    return len(means) >= FEWEST_CYCLES and deviation_of(means)[1] > least
+    if len(means) < ENOUGH_CYCLES:
+        return len(means) >= FEWEST_CYCLES and deviation_of(means)[0] > OF_FEW * least
+    return deviation_of(means)[1] > least
 
 
 def leaves_less(choice: Choice) -> bool:
@@ -63,11 +66,13 @@ def deviation_of(means: np.ndarray) -> tuple[float, float, float]:
 
 
 def stepped(means: np.ndarray) -> bool:
-    """Whether Gaussian values (n,) surely stand at two levels, one after the other.
+    """Whether Gaussian values (n,) surely stand at two levels, one after the other, or may.
 
-    F test of the best of the n - 1 steps, for as many tests (Bonferroni).
+    F test of the best of the n - 1 steps, for as many tests (Bonferroni). Few may in any case.
     """
     count = len(means)
+    if count < ENOUGH_CYCLES:
+        return True
     parts = [(means[:k], means[k:]) for k in range(1, count)]
     left = min(sum(float(np.sum((p - p.mean()) ** 2)) for p in both) for both in parts)
     gained = float(np.sum((means - means.mean()) ** 2)) - left

@@ -29,6 +29,7 @@ FEWEST, FEWEST_FAR = 3, 2
 CREDIBLE, NEARLY_ALL = 3.0, 0.8
 FAR = 10.0
 MOST_MISTAKEN = 0.1
+LATELY = 16
 BY_CHANCE = 1e-3
 HEAVY, LIGHT = 3.0, 8.0
 ROUNDED_BY = 1.5
@@ -242,29 +243,44 @@ def errors_of(explanation: Explanation) -> np.ndarray:
 
 
 def follow_the_drive(explanation: Explanation) -> bool:
-    """Whether such rows come after steps of other lengths, or sooner after reversals, than rest."""
-    drive = explanation.problem.motion.drive
-    steps, travel = np.abs(np.diff(drive)), travelled(drive)[1:]
-    return after_some(steps, explanation) or after_some(travel, explanation)
+    """Whether such rows come after other steps, or sooner after reversals, than the rest."""
+    travel = travelled(explanation.problem.motion.drive)[1:]
+    return after_other_steps(explanation) < BY_CHANCE or after_some(travel, explanation)
 
 
 def after_some(lengths: np.ndarray, explanation: Explanation) -> bool:
     """Whether such rows come after steps or waits of other lengths (n - 1,) than the rest."""
-    return after_others(lengths, explanation) < BY_CHANCE
+    return unlike_rest(lengths, explanation, incredible(explanation)) < BY_CHANCE
 
 
-def after_others(lengths: np.ndarray, explanation: Explanation) -> float:
-    """How likely such rows come after steps or waits (n - 1,) as much unlike the rest by chance.
+def after_other_steps(explanation: Explanation) -> float:
+    """How likely such rows come by chance after steps as much unlike the rest's.
+
+    After the last one, or the largest of the LATELY last: what a jump of the drive sets swinging
+    goes on for a while. Of rows that follow each other at once the first says that.
+    """
+    steps, rows = np.abs(np.diff(explanation.problem.motion.drive)), incredible(explanation)
+    before = np.concatenate([np.zeros(LATELY - 1), steps])
+    largest = np.lib.stride_tricks.sliding_window_view(before, LATELY).max(axis=1)
+    first = rows & ~np.concatenate([[False], rows[:-1]])
+    return min(
+        1.0,
+        2.0 * unlike_rest(steps, explanation, rows),
+        2.0 * unlike_rest(largest, explanation, first),
+    )
+
+
+def unlike_rest(lengths: np.ndarray, explanation: Explanation, rows: np.ndarray) -> float:
+    """How likely mistaken rows (n,) come after lengths (n - 1,) as much unlike the rest by chance.
 
     A camera mistakes a marker whatever came before; a joint that still rings does not, nor one
     that an old frame shows on its way (Kolmogorov-Smirnov). 1 where there are none.
     """
-    rows = incredible(explanation)
     if not rows[1:].any():
         return 1.0
     from scipy.stats import ks_2samp  # 0.3 s: only mistaken frames wait for it
 
-    rest = explanation.problem.train & ~rows
+    rest = explanation.problem.train & ~incredible(explanation)
     return float(ks_2samp(lengths[rows[1:]], lengths[rest[1:]]).pvalue)
 
 

@@ -109,20 +109,20 @@ def strained(
     off: np.ndarray,
     counted: np.ndarray,
     noise: NoiseModel,
-    drifts: bool = False,
+    farthest: float = FAR_WALK,
 ) -> str | None:
     """Where held-out rows (as in `disproved`) are off by more than usual, though none refuted.
 
-    Names stay then: they may hold, though not all is said; what holds between the commands that
-    were fitted holds there all the same if it errs beyond them. A zero that walks by many times the
-    noise is not all said either, unless it is told as a drift (`drifts`); at which level it does,
-    is a matter of where it began.
+    Names may hold then, though not all is said; what holds between the commands that were fitted
+    holds there all the same if it errs beyond them. A zero that walks by more than `farthest` times
+    the noise's variance is not all said either; at which level it does, is a matter of where it
+    began.
     """
     left = off[problem.train & counted]
     if noise.walk > 0.0:
         off = off - np.mean(left)
         left = left - np.mean(left)
-        if not drifts and np.var(left) > FAR_WALK * noise.deviation**2:
+        if np.var(left) > farthest * noise.deviation**2:
             return WALKS
     zeros = zeros_apart(problem, off, counted) if noise.jitter > 0.0 else 0.0
     apart = float(np.hypot(FAR * noise.deviation, zeros))

@@ -17,7 +17,7 @@ from pipeline.discrepancy.judgement.hum import hum
 from pipeline.discrepancy.judgement.mistaken import (
     FEWEST,
     MOST_MISTAKEN,
-    after_others,
+    after_other_steps,
     errors_of,
     incredible,
     late_by,
@@ -47,7 +47,7 @@ SMALLEST_SIZE, REPEATED, OF_PILE = 0.2, 0.5, 0.25
 ROUNDED = 1.1
 LEAST_ALIKE, AGAIN = 0.2, "what comes again where the motion does"
 LEAST_CHANGE, CHANGES = 0.1, "how it resists or springs, which changes with time"
-RINGS = "samples far off after steps of other lengths than the rest: it rings there"
+RINGS = "samples far off after other steps than the rest: it rings there"
 SWINGS = "samples far off to one side and the other by turns: it swings there"
 RECURS = "swings that go on from sample to sample, as noise does not"
 MOST_OF_REST, FEWEST_PERIODS = 0.5, 8.0
@@ -148,8 +148,13 @@ def rounded(explanation: Explanation, choice: Choice) -> bool:
 
 
 def of_curves(rests: list[Rest], choice: Choice) -> Sign | None:
-    """The surest of some rests (the surest first), where it is no matter of chance nor tiny."""
-    least = SMALLEST_SIZE * choice.fit.ground.noise.deviation
+    """The surest of some rests (the surest first), where it is no matter of chance nor tiny.
+
+    Beside a zero that walks what is left looks tiny: that takes most of it. Where no name is told,
+    it is not the form of one.
+    """
+    noise, nameless = choice.fit.ground.noise, not choice.fit.pieces
+    least = 0.0 if nameless and noise.walk > 0.0 else SMALLEST_SIZE * noise.deviation
     sure = [r for r in rests if r.size > least and r.p_value * len(rests) < CHANCE]
     if not sure:
         return None
@@ -341,14 +346,14 @@ def swinging(explanation: Explanation, choice: Choice) -> Sign | None:
 
 
 def ringing(explanation: Explanation, choice: Choice) -> Sign | None:
-    """Samples of an angle that were taken for mistaken, but come after steps of other lengths."""
+    """Samples of an angle that were taken for mistaken, but come after other steps."""
     problem = explanation.problem
     if problem.derivatives is not None or not explanation.outliers.any():
         return None
     off = (problem.measured - choice.fit.predicted)[incredible(explanation)]
     if len(off) < FEWEST:
         return None
-    p_value = after_others(np.abs(np.diff(problem.motion.drive)), explanation)
+    p_value = after_other_steps(explanation)
     size = float(np.sqrt(np.sum(off**2) / problem.train.sum()))
     return Sign(RINGS, size, p_value) if p_value < RARE else None
 

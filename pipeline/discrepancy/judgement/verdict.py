@@ -9,6 +9,7 @@ from pipeline.discrepancy.fitting.charge import VOID, absurd_calibration
 from pipeline.discrepancy.fitting.fit import drifted, evaluate, improve
 from pipeline.discrepancy.judgement.rest import structured_rest
 from pipeline.discrepancy.judgement.structure import (
+    CHANGES,
     NO_FORM,
     UNSTEADY,
     Structure,
@@ -150,18 +151,19 @@ def fewer(explanation: Explanation, choice: Choice, structure: Structure) -> Cho
     than they leave together: then it is the form of a term, but not of as many as a search takes.
     So do those that each explain four times what they leave together, or, of as many names as a
     search takes that leave more than the noise, eight times. A force's terms take the forms that
-    suit them once others are gone. Beside what rings, or goes from cycle to cycle, there is one at
-    most: several follow that on average.
+    suit them once others are gone; where its law changes, each explains more than all of them leave
+    together, for that is more than shows as a change. Beside what rings, or goes from cycle to
+    cycle, there is one at most: several follow that on average.
     """
     if not choice.fit.pieces:
         return choice
     if explanation.problem.motion.kinetics is not None:
-        kept = weightier(explanation, choice, structured_square(explanation, choice))
+        changes = structure.where == CHANGES
+        structured = np.inf if changes else structured_square(explanation, choice)
+        kept = weightier(explanation, choice, structured)
         if kept is not choice:
             kept = grown(explanation.search, kept)
         return plainer(explanation.search, kept)
-    if len(names(choice)) > 1 and structure.where in UNSTEADY:
-        return one_at_most(explanation, choice)
     base = next(c for c in explanation.choices if not c.fit.pieces)
     noise = explanation.prior.model.deviation**2
     before = mean_square(explanation, base) - noise
@@ -169,6 +171,8 @@ def fewer(explanation: Explanation, choice: Choice, structure: Structure) -> Cho
     rest = max(rest_of(choice, explanation) ** 2, sure)
     if not piled(choice) and rest < FORM_ERROR**2 * before:
         return weightier(explanation, choice, np.inf)
+    if len(names(choice)) > 1 and structure.where in UNSTEADY:
+        return one_at_most(explanation, choice)
     return beside_a_rest(explanation, choice, sure)
 
 

@@ -28,9 +28,14 @@ def walks_far(explanation: Explanation, choice: Choice) -> bool:
     """
     if not (witnessed(explanation, choice) and leaves_less(choice)):
         return False
-    ground, most = choice.fit.ground, BESIDE_NAMES if choice.fit.pieces else FAR_WALK
+    ground = choice.fit.ground
     left = (ground.problem.measured - choice.fit.predicted)[ground.used]
-    return bool(np.var(left) > most * ground.noise.deviation**2)
+    return bool(np.var(left) > far_walk(choice) * ground.noise.deviation**2)
+
+
+def far_walk(choice: Choice) -> float:
+    """How many times the noise's variance a zero that walks leaves that is not noise any more."""
+    return BESIDE_NAMES if choice.fit.pieces else FAR_WALK
 
 
 def walk_in_a_cycle(choice: Choice) -> float:

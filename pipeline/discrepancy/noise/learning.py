@@ -47,7 +47,12 @@ class NoisePrior:
 
     @property
     def differing(self) -> float:
-        """Root mean square of the contrasts, which noise and all that does not repeat make."""
+        """Root mean square of the contrasts, which noise and all that does not repeat make.
+
+        Infinite where there are none.
+        """
+        if not self.series:
+            return float(np.inf)
         return float(np.sqrt(np.nanmean(np.concatenate(self.series) ** 2)))
 
     @cached_property

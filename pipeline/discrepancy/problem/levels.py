@@ -17,6 +17,7 @@ from pipeline.physics.even_grid import quantum_of
 NEIGHBOURS = np.arange(-3, 3) + 0.5
 LOST, LEAST, SHARP, BLURRED = 1e-4, 0.02, 0.1, 0.45
 ON_ONE, NEARLY_ALL, SAME = 0.05, 0.9, 1e-6
+DIGITS, MOST_OF_ONE = 6, 2
 SURELY = 0.8  # of what readings deviate by, so that structure beside it is looked for
 
 
@@ -69,14 +70,18 @@ class Levels:
 def levels_read(came: np.ndarray, measured: np.ndarray) -> Levels | None:
     """The levels of readings (n,), of which something may have been taken off; None of others.
 
-    Nearly all of them stand on one. A few that come again by chance are not all levels.
+    Nearly all of them stand on one. A few that come again by chance are not all levels, nor are the
+    places that a command comes back to, each read with noise of its own.
     """
     levels = levels_of(came)
     step = step_of(levels)
     if step == 0.0:
         return None
     places = (came[np.isfinite(came)] - levels[0]) / step
-    if np.mean(np.abs(places - np.round(places)) < ON_ONE) < NEARLY_ALL:
+    on_one = places[np.abs(places - np.round(places)) < ON_ONE]
+    if len(on_one) < NEARLY_ALL * len(places):
+        return None
+    if len(np.unique(on_one.round(DIGITS))) > MOST_OF_ONE * len(np.unique(on_one.round())):
         return None
     taken = np.where(np.isfinite(measured), came - measured, 0.0)
     return Levels(step, float(levels[0]), taken, step / float(np.sqrt(12.0)))
