@@ -24,12 +24,13 @@ def explained(problem: Problem) -> tuple[Problem, Explanation]:
 
     Where the simulation does a little beside its curve, that may be a course of its own, or its
     trace may drive as well, a lag of its own may come before the joint, under its loads or behind
-    it, and friction of its own be at the joint or at the drive: what explains the rest better says
-    it. What readings in levels are off on average is known once what they should have read is; then
-    it is taken off them.
+    it, friction of its own be at the joint or at the drive, and its play come before what alters
+    the drive or after: what explains the rest better says it. What readings in levels are off on
+    average is known once what they should have read is; then it is taken off them.
     """
     explanation = explain(thinned(problem)[0])
-    for otherwise in (on_its_course, otherwise_simulated, under_load, otherwise_moved):
+    ways = on_its_course, otherwise_simulated, under_load, moved_first, otherwise_moved
+    for otherwise in ways:
         other = otherwise(problem, explanation)
         if other is not None:
             found = explain(thinned(other)[0])
@@ -67,11 +68,18 @@ def under_load(problem: Problem, explanation: Explanation) -> Problem | None:
     return otherwise_loaded(problem.loaded, explanation) if unclear(explanation) else None
 
 
+def moved_first(problem: Problem, explanation: Explanation) -> Problem | None:
+    """The problem with the simulation's own play ahead of what alters the drive, if better so.
+
+    The drum that runs out of true may be on either side of a gear with play.
+    """
+    other = problem.moved_first if unclear(explanation) else None
+    return where_better(other, explanation, lambda term: term.before_curve)
+
+
 def otherwise_loaded(other: Problem | None, explanation: Explanation) -> Problem | None:
     """Another problem, if there is one, and what loads the joint explains more there."""
-    if other is None or not promising(other, explanation, lambda term: term.in_balance):
-        return None
-    return other
+    return where_better(other, explanation, lambda term: term.in_balance)
 
 
 def otherwise_moved(problem: Problem, explanation: Explanation) -> Problem | None:
@@ -81,7 +89,16 @@ def otherwise_moved(problem: Problem, explanation: Explanation) -> Problem | Non
     other = replace(problem, motion=moved_on(problem.motion))
     if other.motion.corners is None:
         return None
-    return other if promising(other, explanation, lambda term: bool(term.remembers)) else None
+    return where_better(other, explanation, lambda term: bool(term.remembers))
+
+
+def where_better(
+    other: Problem | None, explanation: Explanation, concerned: Callable[[Term], bool]
+) -> Problem | None:
+    """Another problem, if there is one, and terms that are concerned explain more there."""
+    if other is None or not promising(other, explanation, concerned):
+        return None
+    return other
 
 
 def promising(other: Problem, explanation: Explanation, concerned: Callable[[Term], bool]) -> bool:

@@ -1,7 +1,7 @@
 """A mechanism: terms in their order, from the drive to what the sensor says."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 
 import numpy as np
 
@@ -17,23 +17,30 @@ class OwnCourse:
     """What a simulation itself has beside its curve, in the order in which a drive meets it.
 
     drive: before the curve, as a motor's lag or play. curve: behind it. joint: in the balance.
-    sensor: behind that, as a filter's lag.
+    sensor: behind that, as a filter's lag. shaft: ahead of all that terms do to the drive, which
+    come between it and `drive`.
     """
 
     drive: tuple[Piece, ...] = ()
     curve: tuple[Piece, ...] = ()
     joint: tuple[Piece, ...] = ()
     sensor: tuple[Piece, ...] = ()
+    shaft: tuple[Piece, ...] = ()
 
     @property
     def pieces(self) -> tuple[Piece, ...]:
         """All of them."""
-        return (*self.drive, *self.curve, *self.joint, *self.sensor)
+        return (*self.shaft, *self.drive, *self.curve, *self.joint, *self.sensor)
 
     @property
     def seen_late(self) -> "OwnCourse":
         """The same with what is behind the curve behind the joint instead."""
-        return OwnCourse(self.drive, (), self.joint, (*self.sensor, *self.curve))
+        return replace(self, curve=(), sensor=(*self.sensor, *self.curve))
+
+    @property
+    def moved_first(self) -> "OwnCourse":
+        """The same with what is before the curve ahead of what terms do there."""
+        return replace(self, drive=(), shaft=(*self.shaft, *self.drive))
 
     @property
     def under_load(self) -> "OwnCourse | None":
@@ -41,7 +48,7 @@ class OwnCourse:
         loads = [as_load(piece) for piece in self.curve]
         if not loads or None in loads:
             return None
-        return OwnCourse(self.drive, (), (*self.joint, *(p for p in loads if p)), self.sensor)
+        return replace(self, curve=(), joint=(*self.joint, *(p for p in loads if p)))
 
     def as_changed(self, pieces: Sequence[Piece]) -> "OwnCourse":
         """The same with as much of each as pieces say, see `own_amount.py`."""
@@ -113,24 +120,19 @@ class Mechanism:
             return self.trace(whole, state).rows(rows)
         before = {} if state is None else state
         after: dict[str, np.ndarray] = {}
-        pieces = _in_order(self.pieces)
+        pieces, own = _in_order(self.pieces), self._own
         signal = np.asarray(motion.drive, dtype=float)
+        signal = _through("shaft", own.shaft, signal, motion, before, after)
         for piece in pieces:
             if piece.term.before_curve:
                 signal = _apply(piece, signal, motion, before, after)
         kinetics = motion.kinetics
-        signal = (
-            self._curved(signal, motion, before, after) if kinetics is None else kinetics.simulated
-        )
-        return self._balanced(signal, pieces, motion, before, after)
-
-    def _curved(
-        self, signal: np.ndarray, motion: Motion, before: State, after: dict[str, np.ndarray]
-    ) -> np.ndarray:
-        """What the simulation makes of a drive that terms have altered, (n,)."""
-        own = self._own
-        signal = _through("drive", own.drive, signal, motion, before, after)
-        return _through("curve", own.curve, self.curve(signal), motion, before, after)
+        if kinetics is not None:
+            signal = kinetics.simulated
+        else:
+            signal = _through("drive", own.drive, signal, motion, before, after)
+            signal = _through("curve", own.curve, self.curve(signal), motion, before, after)
+        return self._balanced(signal, pieces, own, motion, before, after)
 
     @property
     def _own(self) -> OwnCourse:
@@ -139,7 +141,7 @@ class Mechanism:
 
     def balanced(self, asked: np.ndarray, motion: Motion) -> Trace:
         """The same where all that the wire asks for (n,) is known."""
-        return self._balanced(asked, _in_order(self.pieces), motion, {}, {})
+        return self._balanced(asked, _in_order(self.pieces), self._own, motion, {}, {})
 
     def sensed(self, asked: np.ndarray, body: np.ndarray, motion: Motion) -> Trace:
         """The same for a joint of which all angles (n,) are known."""
@@ -149,12 +151,12 @@ class Mechanism:
         self,
         asked: np.ndarray,
         pieces: Sequence[Piece],
+        own: OwnCourse,
         motion: Motion,
         before: State,
         after: dict[str, np.ndarray],
     ) -> Trace:
         body, balanced = asked, [p for p in pieces if p.term.in_balance]
-        own = self._own
         balanced += own.joint
         if balanced:
             body, states = settle(asked, balanced, motion, self.curve, before.get(BALANCE), before)

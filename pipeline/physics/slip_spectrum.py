@@ -11,6 +11,7 @@ from pipeline.physics.term import Parameter, Surroundings, Term
 
 AT_JOINT, AT_DRIVE = "spectrum", "driven spectrum"
 ELEMENTS, SHORTEST = 32, 1e-3
+EVENLY = np.linspace(0.0, 1.0, ELEMENTS)
 
 
 class SlipSpectrum(Term):
@@ -74,7 +75,7 @@ class SlipSpectrum(Term):
 
 def reaches_from(shortest: float, longest: float) -> np.ndarray:
     """Reaches of all elements, (ELEMENTS,)."""
-    return np.geomspace(shortest, longest, ELEMENTS)
+    return np.asarray(shortest * (longest / shortest) ** EVENLY)
 
 
 def shares_of(position: np.ndarray, reaches: np.ndarray) -> np.ndarray:

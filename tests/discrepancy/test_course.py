@@ -357,3 +357,37 @@ def test_a_stop_before_a_filter_and_behind_play_that_the_simulation_has_is_put_t
     assert [p.term.name for p in stored.mechanism.course.sensor] == ["response_lag"]
     assert [p.term.name for p in stored.mechanism.course.drive] == ["backlash"]
     assert found.diagnoses[0].after.heldout_rmse < 1.1 * NOISE
+
+
+@pytest.fixture(scope="module")
+def drummed():
+    """A drum that runs out of true behind play; the simulation knows of the play alone."""
+
+    def turned(drive: np.ndarray, amplitude: float) -> np.ndarray:
+        behind = play(drive, 0.5 * WIDTH, drive[0])
+        return curved(behind + amplitude * np.sin(2.0 * np.pi * behind / 9.0 + 0.5))
+
+    recording = real(turned(DRIVE, 0.0), turned(DRIVE, 0.8))
+    return recording, diagnosed(recording)
+
+
+def test_what_is_missing_behind_the_simulations_play_is_put_there(drummed):
+    _, found = drummed
+    assert names(found) == {"transmission_ripple"}
+    assert value_of(found, "transmission_ripple", "amplitude").value == pytest.approx(0.8, rel=0.03)
+    assert found.diagnoses[0].verdict == "explained"
+    assert found.diagnoses[0].after.heldout_rmse < 1.05 * NOISE
+    assert any("acts behind it, at the drive too" in note for note in found.diagnoses[0].notes)
+
+
+def test_its_stored_model_has_the_play_first(drummed):
+    _, found = drummed
+    (model,), (evidence,) = found.models, found.evidence
+    stored = from_json(as_json(model), ["yaw_command_deg"])
+    course = stored.mechanism.course
+    assert course is not None
+    assert [piece.term.name for piece in course.shaft] == ["backlash"]
+    np.testing.assert_array_equal(stored.predict(evidence.motion)[0], evidence.after)
+    last = replace(stored.mechanism, course=OwnCourse(drive=course.shaft))
+    other = last.respond(evidence.motion)[0] - stored.mechanism.respond(evidence.motion)[0]
+    assert np.std(other) > 2.0 * NOISE

@@ -153,6 +153,8 @@ def course_note(problem: Problem) -> list[str]:
     where = "before it, at the joint too" if course.sensor else "inside of it"
     if course.joint:
         where = "before the joint or beside it there"
+    if course.shaft:
+        where = "behind it, at the drive too"
     has = " ".join(p.term.sentence(p.values, problem.around) for p in course.pieces)
     return [
         f"The simulation itself has, of {problem.drive}: {has} "

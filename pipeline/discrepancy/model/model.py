@@ -238,7 +238,7 @@ def from_json(entry: Mapping[str, Any], others: list[str]) -> CorrectedModel:
         if entry.get("course") is not None:
             own = entry["course"]
             course = OwnCourse(
-                *(tuple(_piece(told, others) for told in own[place]) for place in PLACES)
+                *(tuple(_piece(told, others) for told in own.get(place, ())) for place in PLACES)
             )
         like = Mechanism(curve, course=course)
         mechanism = _refitted(entry, like, others)

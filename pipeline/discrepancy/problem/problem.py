@@ -94,6 +94,13 @@ class Problem:
         return replace(self, course=self.course.seen_late)
 
     @property
+    def moved_first(self) -> "Problem | None":
+        """The problem with what the simulation has before its curve ahead of any term's doing."""
+        if self.course is None or not self.course.drive:
+            return None
+        return replace(self, course=self.course.moved_first)
+
+    @property
     def loaded(self) -> "Problem | None":
         """The problem with the simulation's own lag or creep in the balance; None without."""
         course = None if self.course is None else self.course.under_load
