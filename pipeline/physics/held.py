@@ -14,6 +14,8 @@ UNEVEN, UNEVEN_WAITS = 0.05, 0.005
 
 def dwells(motion: Motion, last_time: float) -> np.ndarray:
     """Time that each command had before its sample was taken, (n,) [s]."""
+    if last_time == motion.time_s[0]:
+        return motion.dwell_s
     return np.diff(motion.time_s, prepend=last_time)
 
 

@@ -1,6 +1,7 @@
 """A zero that wanders smoothly, wherever it goes."""
 
 import numpy as np
+from numpy.polynomial.chebyshev import chebval
 
 from pipeline.physics.drift import Drift, duration_s
 from pipeline.physics.motion import Motion
@@ -52,7 +53,10 @@ class SmoothDrift(Drift):
     ) -> tuple[np.ndarray, np.ndarray]:
         first = motion.time_s[:1] if state is None else state
         share = np.clip((motion.time_s - first[0]) / values[-1], 0.0, 1.0)
-        return signal + (series(share) - series(np.zeros(1))) @ (ALONE @ values[:-1]), first
+        _, bow, *waves = ALONE @ values[:-1]
+        wandered = bow * ((1.0 - share) ** 2 - 1.0)
+        wandered += chebval(np.cos(np.pi * share), [-sum(waves), *waves])
+        return signal + wandered, first
 
     def scaled(self, values: np.ndarray, factor: float) -> np.ndarray:
         return np.append(values[:-1] * factor, values[-1])
