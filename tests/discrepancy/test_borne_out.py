@@ -7,7 +7,6 @@ import pytest
 
 from pipeline.discrepancy.fitting.ground import ground_of
 from pipeline.discrepancy.judgement.borne_out import (
-    NO_BETTER,
     borne_out,
     error_on,
     foretold,
@@ -98,14 +97,3 @@ def test_names_of_which_each_needs_the_others_go_together_where_none_is_better()
     errors = [error_on(problem, choice, rows) for choice in (every, *pairs)]
     assert 1.5 * min(errors[1:]) > errors[0]
     assert borne_out(problem, explanation_of([every, *pairs, plain]), every) is plain
-
-
-def test_beside_held_out_rows_that_are_not_foretold_each_name_has_to_help():
-    problem = posed(recorded({"friction": FRICTION}, cycles=9, gain=1.0, offset=0.0))
-    ground = ground_of(problem, NoiseModel(NOISE), problem.train)
-    friction = [*FRICTION.values()]
-    both = chosen(ground, 0.0, friction=friction, transmission_ripple=[0.3, 9.0, 0.0])
-    plain = chosen(ground, 10.0, friction=friction)
-    explanation = explanation_of([both, plain, chosen(ground, 900.0)])
-    assert borne_out(problem, explanation, both) is both
-    assert borne_out(problem, explanation, both, NO_BETTER) is plain

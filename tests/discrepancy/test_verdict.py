@@ -9,7 +9,6 @@ from pipeline.discrepancy.fitting.fit import evaluate, improve
 from pipeline.discrepancy.judgement.structure import Structure
 from pipeline.discrepancy.judgement.verdict import (
     earning,
-    fewer,
     least_lead,
     sure_of_slow,
     told_but_for_its_form,
@@ -23,7 +22,6 @@ from pipeline.physics.piece import Piece
 from tests.discrepancy.made import explained, explanation_of, recorded
 
 DRIFT = Piece(term("drift", "linear"), np.array([0.3]))
-RIPPLE = {"amplitude": 0.6, "period": 30.0, "phase": 1.0}
 PLAY = Piece(term("backlash"), np.array([4.0]))
 STILL, WALKS, JITTERS = (0, 0, 0), (0, 0, 3), (0, 4, 0)
 WALKS_FAR, LEAPS = (0, 0, 4), (0, 5, 0)
@@ -128,20 +126,6 @@ def test_a_rest_of_a_twentieth_of_the_mismatch_is_the_form_of_what_was_named(
     assert told_but_for_its_form(found, nothing, rest) == rest
 
 
-@pytest.mark.parametrize(("share", "stays"), [(0.001, True), (0.1, False)])
-def test_beside_what_goes_from_cycle_to_cycle_names_stay_that_leave_next_to_nothing(
-    share: float, stays: bool
-) -> None:
-    beside = explained(
-        recorded({"backlash": {"width": 4.0}, "transmission_ripple": RIPPLE}, noise=0.02)
-    )
-    wave = Piece(term("transmission_ripple"), np.array(list(RIPPLE.values())))
-    both = improve(evaluate(beside.choices[0].fit.ground, (PLAY, wave)))
-    rest = Structure(True, "the cycle", share, 1e-9)
-    told = names(fewer(beside, Choice(both, STILL, 0.0), rest))
-    assert told == {"backlash"} | ({"transmission_ripple"} if stays else set())
-
-
 @pytest.mark.parametrize(
     ("repeats", "place", "pieces", "odds"),
     [
@@ -167,10 +151,11 @@ def test_beside_a_rest_a_name_has_to_explain_twice_of_it_but_the_last_one_stays(
     over_ripple: float, kept: bool
 ) -> None:
     """over_ripple: the mean square of the rest over what the ripple explains."""
+    ripple = {"amplitude": 0.6, "period": 30.0, "phase": 1.0}
     beside = explained(
-        recorded({"backlash": {"width": 4.0}, "transmission_ripple": RIPPLE}, noise=0.02)
+        recorded({"backlash": {"width": 4.0}, "transmission_ripple": ripple}, noise=0.02)
     )
-    wave = Piece(term("transmission_ripple"), np.array(list(RIPPLE.values())))
+    wave = Piece(term("transmission_ripple"), np.array(list(ripple.values())))
     ground = beside.choices[0].fit.ground
     both = Choice(improve(evaluate(ground, (PLAY, wave))), STILL, 0.0)
     alone = improve(evaluate(ground, (both.fit.pieces[0],)))

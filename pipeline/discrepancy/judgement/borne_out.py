@@ -12,15 +12,15 @@ from pipeline.discrepancy.search.counted import set_aside
 from pipeline.discrepancy.search.explain import Explanation
 from pipeline.discrepancy.search.weighing import Choice, names
 
-FAR, NO_BETTER = 1.5, 1.0
+FAR = 1.5
 REFUTED = (
     "Held-out rows refute the {names} that the rows fitted seem to show: they are told far better "
     "without. The held-out error is that of a choice made with them in sight."
 )
 
 
-def borne_out(problem: Problem, explanation: Explanation, best: Choice, far: float = FAR) -> Choice:
-    """The best choice without each name without which it errs `far` times less on held-out rows.
+def borne_out(problem: Problem, explanation: Explanation, best: Choice) -> Choice:
+    """The best choice without each name without which it errs FAR less on held-out rows.
 
     Such a name follows in the training rows what is not there in the others: a slip, say, a zero
     that walks away and comes back. Names of which each needs the others follow it together, and all
@@ -32,9 +32,9 @@ def borne_out(problem: Problem, explanation: Explanation, best: Choice, far: flo
         return best
     fewer += [choice for choice in explanation.choices if not choice.fit.pieces]
     errors = [error_on(problem, choice, rows) for choice in fewer]
-    if far * min(errors) > error_on(problem, best, rows):
+    if FAR * min(errors) > error_on(problem, best, rows):
         return best
-    return borne_out(problem, explanation, fewer[int(np.argmin(errors))], far)
+    return borne_out(problem, explanation, fewer[int(np.argmin(errors))])
 
 
 def refuted_note(refuted: frozenset[str]) -> list[str]:

@@ -5,18 +5,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from pipeline.discrepancy.fitting.charge import absurd_calibration
-from pipeline.discrepancy.judgement.borne_out import NO_BETTER, borne_out
+from pipeline.discrepancy.judgement.borne_out import borne_out
 from pipeline.discrepancy.judgement.cancelling import CANCELLED, cancelling
 from pipeline.discrepancy.judgement.cycle_zero import about_each_zero
 from pipeline.discrepancy.judgement.form import one_for_many
 from pipeline.discrepancy.judgement.gradual import unless_gradual
-from pipeline.discrepancy.judgement.proof import (
-    HELDOUT,
-    counted_errors,
-    disproved,
-    refuted,
-    strained,
-)
+from pipeline.discrepancy.judgement.proof import counted_errors, disproved, refuted, strained
 from pipeline.discrepancy.judgement.rivals import predicted_by
 from pipeline.discrepancy.judgement.smooth_wander import (
     Beside,
@@ -141,14 +135,12 @@ def proved(
     """
     judge = without_repeats if unrepeated(explanation, best) else by_repeats
     best, structure = judge(problem, explanation, best, structure, sound)
-    if not structure.found:
-        off, counted = counted_errors(problem, explanation, best, predicted_by(problem, best))
-        farthest = np.inf if walks_far(explanation, best) else far_walk(best)
-        where = strained(problem, off, counted, best.fit.ground.noise, farthest)
-        structure = replace(structure, found=where is not None, where=where or structure.where)
-    if structure.where == HELDOUT:
-        best = borne_out(problem, explanation, best, NO_BETTER)
-    return best, structure
+    if structure.found:
+        return best, structure
+    off, counted = counted_errors(problem, explanation, best, predicted_by(problem, best))
+    farthest = np.inf if walks_far(explanation, best) else far_walk(best)
+    where = strained(problem, off, counted, best.fit.ground.noise, farthest)
+    return best, replace(structure, found=where is not None, where=where or structure.where)
 
 
 def unrepeated(explanation: Explanation, choice: Choice) -> bool:

@@ -113,10 +113,10 @@ def strained(
 ) -> str | None:
     """Where held-out rows (as in `disproved`) are off by more than usual, though none refuted.
 
-    Names may hold then, though not all is said; what holds between the commands that were fitted
-    holds there all the same if it errs beyond them. A zero that walks by more than `farthest` times
-    the noise's variance is not all said either; at which level it does, is a matter of where it
-    began.
+    Names stay then: they may hold, though not all is said; what holds between the commands that
+    were fitted holds there all the same if it errs beyond them. A zero that walks by more than
+    `farthest` times the noise's variance is not all said either; at which level it does, is a
+    matter of where it began.
     """
     left = off[problem.train & counted]
     if noise.walk > 0.0:

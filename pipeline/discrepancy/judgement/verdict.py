@@ -11,6 +11,7 @@ from pipeline.discrepancy.judgement.rest import structured_rest
 from pipeline.discrepancy.judgement.structure import (
     CHANGES,
     NO_FORM,
+    RINGS,
     UNSTEADY,
     Structure,
     mismatch_variance,
@@ -153,7 +154,7 @@ def fewer(explanation: Explanation, choice: Choice, structure: Structure) -> Cho
     search takes that leave more than the noise, eight times. A force's terms take the forms that
     suit them once others are gone; where its law changes, each explains more than all of them leave
     together, for that is more than shows as a change. Beside what rings, or goes from cycle to
-    cycle, there is one at most: several follow that on average.
+    cycle by more than that, there is one at most: several follow that on average.
     """
     if not choice.fit.pieces:
         return choice
@@ -169,9 +170,11 @@ def fewer(explanation: Explanation, choice: Choice, structure: Structure) -> Cho
     before = mean_square(explanation, base) - noise
     sure = structure.share * mismatch_variance(explanation)
     rest = max(rest_of(choice, explanation) ** 2, sure)
-    if not piled(choice) and rest < FORM_ERROR**2 * before:
+    small = not piled(choice) and rest < FORM_ERROR**2 * before
+    several = len(names(choice)) > 1
+    if small and not (several and structure.where == RINGS):
         return weightier(explanation, choice, np.inf)
-    if len(names(choice)) > 1 and structure.where in UNSTEADY:
+    if several and structure.where in UNSTEADY:
         return one_at_most(explanation, choice)
     return beside_a_rest(explanation, choice, sure)
 
