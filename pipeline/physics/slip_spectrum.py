@@ -11,7 +11,6 @@ from pipeline.physics.term import Parameter, Surroundings, Term
 
 AT_JOINT, AT_DRIVE = "spectrum", "driven spectrum"
 ELEMENTS, SHORTEST = 32, 1e-3
-EVENLY = np.linspace(0.0, 1.0, ELEMENTS)
 
 
 class SlipSpectrum(Term):
@@ -75,7 +74,7 @@ class SlipSpectrum(Term):
 
 def reaches_from(shortest: float, longest: float) -> np.ndarray:
     """Reaches of all elements, (ELEMENTS,)."""
-    return np.asarray(shortest * (longest / shortest) ** EVENLY)
+    return np.geomspace(shortest, longest, ELEMENTS)
 
 
 def shares_of(position: np.ndarray, reaches: np.ndarray) -> np.ndarray:

@@ -9,6 +9,7 @@ from pipeline.discrepancy.fitting.fit import evaluate
 from pipeline.discrepancy.fitting.ground import ground_of
 from pipeline.discrepancy.judgement.brought_about import (
     MUCH_MORE,
+    brought_about,
     by_giving_way,
     explained_by,
     follows_from_others,
@@ -77,6 +78,21 @@ def test_only_a_wire_that_surely_gives_way_brings_about_more(stretch, sure):
     wire_alone = explained_by(explanation, choice, "compliance")
     most = by_giving_way(explanation, choice)
     assert most == pytest.approx(MUCH_MORE**2 * wire_alone if sure else 0.0)
+
+
+@pytest.mark.parametrize(("times", "brought"), [(0.9, {"friction"}), (1.1, set())])
+def test_far_more_of_a_loop_than_a_wire_does_is_a_name_of_its_own(monkeypatch, times, brought):
+    """times: how much the loop explains (RMS) over the most that a wire brings about."""
+    problem = posed(recorded({}))
+    fit = evaluate(ground_of(problem, NoiseModel(NOISE), problem.train), ())
+    pieces = (Piece(OwnFriction(), np.array([1.0])), SOFT)
+    choice = Choice(replace(fit, pieces=pieces), (0, 0, 0), 0.0)
+    explains = {"compliance": NOISE**2, "friction": (times * MUCH_MORE * NOISE) ** 2}
+    monkeypatch.setattr(
+        "pipeline.discrepancy.judgement.brought_about.explained_by",
+        lambda explanation, choice, name: explains[name],
+    )
+    assert brought_about(explanation_of([choice]), choice) == brought
 
 
 def test_a_name_that_the_simulation_has_itself_is_more_of_that():

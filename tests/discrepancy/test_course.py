@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from pipeline.discrepancy.model.model import as_json, from_json
+from pipeline.discrepancy.model.model import CorrectedModel, as_json, from_json
+from pipeline.discrepancy.model.result import DiagnosisResult, Evidence
 from pipeline.discrepancy.problem.course import course_of
 from pipeline.discrepancy.problem.course_trial import Course
 from pipeline.discrepancy.problem.driven import driven_by
@@ -257,6 +258,14 @@ def real(simulated: np.ndarray, clean: np.ndarray) -> Recording:
     return changed(recording, **{SIMULATED: simulated})
 
 
+def stored_again(found: DiagnosisResult) -> tuple[CorrectedModel, Evidence]:
+    """The model as it comes back from its file, which answers as it did, and the evidence."""
+    (model,), (evidence,) = found.models, found.evidence
+    stored = from_json(as_json(model), ["yaw_command_deg"])
+    np.testing.assert_array_equal(stored.predict(evidence.motion)[0], evidence.after)
+    return stored, evidence
+
+
 @pytest.fixture(scope="module")
 def geared():
     """Play before a joint that is late, which the simulation knows; it knows of no play."""
@@ -275,9 +284,7 @@ def test_what_is_missing_before_the_simulations_lag_is_put_there(geared):
 
 def test_its_stored_model_answers_with_the_simulations_lag(geared):
     recording, found = geared
-    (model,), (evidence,) = found.models, found.evidence
-    stored = from_json(as_json(model), ["yaw_command_deg"])
-    np.testing.assert_array_equal(stored.predict(evidence.motion)[0], evidence.after)
+    stored, evidence = stored_again(found)
     error = recording.values(ANGLE) - evidence.after
     without = replace(stored, mechanism=replace(stored.mechanism, course=None), later=None)
     assert np.std(error) < 1.1 * NOISE
@@ -302,11 +309,9 @@ def test_a_lag_of_the_sensor_comes_behind_what_is_missing_at_the_joint(stopped):
 
 def test_its_stored_model_has_the_lag_last(stopped):
     _, found = stopped
-    (model,), (evidence,) = found.models, found.evidence
-    stored = from_json(as_json(model), ["yaw_command_deg"])
+    stored, evidence = stored_again(found)
     assert stored.mechanism.course is not None
     assert [piece.term.name for piece in stored.mechanism.course.sensor] == ["response_lag"]
-    np.testing.assert_array_equal(stored.predict(evidence.motion)[0], evidence.after)
     lag = stored.mechanism.course.sensor
     first = replace(stored.mechanism, course=OwnCourse(curve=lag))
     other = first.respond(evidence.motion)[0] - stored.mechanism.respond(evidence.motion)[0]
@@ -382,12 +387,10 @@ def test_what_is_missing_behind_the_simulations_play_is_put_there(drummed):
 
 def test_its_stored_model_has_the_play_first(drummed):
     _, found = drummed
-    (model,), (evidence,) = found.models, found.evidence
-    stored = from_json(as_json(model), ["yaw_command_deg"])
+    stored, evidence = stored_again(found)
     course = stored.mechanism.course
     assert course is not None
     assert [piece.term.name for piece in course.shaft] == ["backlash"]
-    np.testing.assert_array_equal(stored.predict(evidence.motion)[0], evidence.after)
     last = replace(stored.mechanism, course=OwnCourse(drive=course.shaft))
     other = last.respond(evidence.motion)[0] - stored.mechanism.respond(evidence.motion)[0]
     assert np.std(other) > 2.0 * NOISE
