@@ -218,7 +218,7 @@ def evidence_of(
     """All rows of the recording with their predictions, and the hypotheses that compete."""
     after, deviation = model.predict(problem.motion)
     outliers = set_aside(problem, after, explanation.prior)
-    outliers &= ~turning(problem)
+    outliers &= ~turning(problem) | problem.mistaken
     return Evidence(
         recording=recording,
         measurement=measurement,
@@ -229,6 +229,7 @@ def evidence_of(
         train=problem.train,
         heldout=problem.heldout,
         used=np.isfinite(problem.measured) & np.isfinite(problem.simulated) & ~outliers,
+        mistaken=problem.mistaken,
         before=problem.simulated if problem.replaced is None else problem.replaced,
         after=after,
         deviation=deviation,

@@ -3,8 +3,8 @@
 import numpy as np
 from scipy.special import chdtrc
 
-from pipeline.discrepancy.judgement.rest import travelled
 from pipeline.discrepancy.noise.force_noise import spell_of
+from pipeline.discrepancy.problem.travelled import travelled
 from pipeline.discrepancy.search.weighing import Choice
 from pipeline.recording import reversals_of
 

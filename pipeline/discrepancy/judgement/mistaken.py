@@ -8,13 +8,13 @@ from scipy.special import pdtrc, stdtr
 
 from pipeline.discrepancy.judgement.cycle_zero import about_each_zero
 from pipeline.discrepancy.judgement.loudness import loudness
-from pipeline.discrepancy.judgement.rest import travelled
 from pipeline.discrepancy.judgement.slipping import slipping
 from pipeline.discrepancy.judgement.turned_between import turned_between
 from pipeline.discrepancy.model.intervals import undated
 from pipeline.discrepancy.model.result import Estimate, Evidence, NamedPhysics, root_mean
 from pipeline.discrepancy.problem.late import LateFrames
 from pipeline.discrepancy.problem.problem import Problem
+from pipeline.discrepancy.problem.travelled import travelled
 from pipeline.discrepancy.search.counted import INCREDIBLE, late_rows, repeats_of
 from pipeline.discrepancy.search.explain import Explanation
 from pipeline.discrepancy.search.weighing import Choice
@@ -102,9 +102,17 @@ def of_heavy_tails(explanation: Explanation) -> bool:
     far = np.abs(errors_of(explanation))[incredible(explanation)]
     if explanation.problem.read is not None and levels and far.min() > ROUNDED_BY * levels.step:
         return False
-    off = far / fit.ground.noise.deviation
-    freedom, scale = tails_of(fit.innovations / np.std(fit.innovations), float(off.min()))
-    expected = 2.0 * len(fit.innovations) * stdtr(freedom, -off.min() / scale)
+    others = fit.innovations / np.std(fit.innovations)
+    return thrown_as_far(far / fit.ground.noise.deviation, others)
+
+
+def thrown_as_far(off: np.ndarray, others: np.ndarray) -> bool:
+    """Whether noise with the tails of others throws as many of them as far as some are off.
+
+    off: (k,) distances, others: (n,) errors, both in deviations of these.
+    """
+    freedom, scale = tails_of(others, float(off.min()))
+    expected = 2.0 * len(others) * stdtr(freedom, -off.min() / scale)
     return bool(pdtrc(len(off) - 1, expected) > BY_CHANCE)
 
 
@@ -144,14 +152,14 @@ def share_and_size(explanation: Explanation) -> tuple[Estimate, Estimate] | None
     far = rows & (every > FAR * fit.ground.noise.deviation)
     if alone(rows) < FEWEST and alone(far) < FEWEST_FAR:
         return None
-    off = every[rows]
+    return share_of(count, n), size_of(every[rows], problem.around.angle_unit)
+
+
+def size_of(off: np.ndarray, unit: str) -> Estimate:
+    """The mean of some distances (k,) [unit], with its interval."""
     size = float(np.mean(off))
-    error = Z * float(np.std(off, ddof=1)) / np.sqrt(count)
-    unit = problem.around.angle_unit
-    return (
-        share_of(count, n),
-        Estimate("size", size, max(size - error, 0.0), size + error, unit),
-    )
+    error = Z * float(np.std(off, ddof=1)) / np.sqrt(len(off))
+    return Estimate("size", size, max(size - error, 0.0), size + error, unit)
 
 
 def alone(rows: np.ndarray) -> int:

@@ -14,6 +14,7 @@ from pipeline.discrepancy.judgement.mistaken import (
     mistaken_frames,
     stale_now_and_then,
 )
+from pipeline.discrepancy.judgement.mistaken_samples import mistaken_samples
 from pipeline.discrepancy.judgement.rivals import mechanism_of
 from pipeline.discrepancy.judgement.structure import RINGS, Structure
 from pipeline.discrepancy.judgement.walking_zero import zero_that_walks
@@ -43,12 +44,14 @@ def named_physics(
     for found in of_terms(explanation, best, evidence, structure, covariance):
         before = out.get(found.name)
         out[found.name] = found if before is None else together(before, found)
-    force = explanation.problem.motion.kinetics is not None
-    beside = [stale_now_and_then(explanation.problem, evidence)]
-    if not force:
+    problem = explanation.problem
+    beside = [stale_now_and_then(problem, evidence)]
+    if problem.motion.kinetics is not None:
+        beside.append(mistaken_samples(evidence, problem.around))
+    else:
         told = {*out, *(b.name for b in beside if b is not None)}
         if not structure.found:
-            beside.append(zero_of_each_cycle(explanation.problem, best, evidence))
+            beside.append(zero_of_each_cycle(problem, best, evidence))
             beside.append(zero_that_walks(explanation, best, evidence))
             beside.append(late_now_and_then(explanation, evidence))
         if out or not structure.found:

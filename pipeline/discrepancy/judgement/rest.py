@@ -13,9 +13,10 @@ from pipeline.discrepancy.noise.hats import hats
 from pipeline.discrepancy.noise.learning import NoisePrior
 from pipeline.discrepancy.noise.noise import NoiseModel
 from pipeline.discrepancy.problem.problem import Problem
+from pipeline.discrepancy.problem.travelled import travelled
 from pipeline.discrepancy.search.refuted import in_common, steps_again
 from pipeline.discrepancy.search.weighing import Choice
-from pipeline.recording import branch_of, reversals_of
+from pipeline.recording import branch_of
 
 FINE, COARSE, TRAVELS, SLOW = 24, 5, 12, 3
 EVERY_OTHER, CYCLE = "every other cycle", "the cycle"
@@ -226,10 +227,3 @@ def slow_changes(time_s: np.ndarray) -> np.ndarray:
     """Legendre polynomials of time (n,) from the first order on, (n, SLOW)."""
     since = (time_s - time_s[0]) / max(float(time_s[-1] - time_s[0]), 1e-300)
     return legendre.legvander(2.0 * since - 1.0, SLOW)[:, 1:]
-
-
-def travelled(drive: np.ndarray) -> np.ndarray:
-    """Way since the last reversal, (n,) [drive unit]; from the first sample before any."""
-    turns = np.concatenate([[0], reversals_of(drive)])
-    last = turns[np.searchsorted(turns, np.arange(len(drive)), side="right") - 1]
-    return np.abs(drive - drive[last])

@@ -120,7 +120,8 @@ class Evidence:
     recording: as it came. motion: the axis's drive, times, cycles and other commands.
     drive: name of the command that drives it. static: whether the simulation is a static curve of
     that command (then the drive is the command, else the simulation's trace).
-    train, heldout: masks; `used` are the rows that are measured and no outliers.
+    train, heldout: masks; `used` are the rows that are measured and no outliers. mistaken: a mask
+    of rows that are so in themselves, whatever explains the others (`Problem.mistaken`).
     before, after: predictions of the simulation as it came and with the named terms.
     deviation: standard deviation of `after` against the measurement. noise: as learnt.
     hypotheses: the best first; its mechanism is what `after` was made with.
@@ -136,6 +137,7 @@ class Evidence:
     train: np.ndarray
     heldout: np.ndarray
     used: np.ndarray
+    mistaken: np.ndarray
     before: np.ndarray
     after: np.ndarray
     deviation: np.ndarray

@@ -7,6 +7,7 @@ import numpy as np
 from pipeline.config import DiagnosisConfig
 from pipeline.discrepancy.problem.fitted import goes_by, tolerance_of_fit, tolerance_of_rigid
 from pipeline.discrepancy.problem.known_rows import held_out_rows, refuse_unfit
+from pipeline.discrepancy.problem.lone_samples import lone_samples
 from pipeline.discrepancy.problem.problem import Problem
 from pipeline.discrepancy.problem.repeats import driven_again, rows_of_cycles
 from pipeline.discrepancy.problem.rows import Averaged, one_after_another
@@ -48,7 +49,7 @@ def pose_force_problem(
     tolerance = tolerance_of_fit(config.tolerance, came, simulated, motion.drive, heldout)
     tolerance = tolerance_of_rigid(tolerance, motion)
     around = _surroundings(recording, measurement, position, motion, measured[train])
-    return Problem(
+    problem = Problem(
         motion=motion,
         curve=IdentityCurve(),
         measured=measured,
@@ -62,6 +63,7 @@ def pose_force_problem(
         derivatives=derivatives,
         stale=stale,
     )
+    return replace(problem, lone=lone_samples(problem))
 
 
 def motion_simulated(motion: Motion) -> np.ndarray:
@@ -122,7 +124,8 @@ def averaged(problem: Problem, like: Averaged | None = None) -> tuple[Problem, i
     roomy = int(problem.train.sum()) // FEWEST_ROWS
     size = max(min(by_cutoff, roomy), -(-last // MOST_ROWS), 1)
     fine = problem.motion.rows(slice(0, max(last, size)))
-    known = (problem.train | problem.heldout)[: len(fine)]
+    train, heldout = problem.train & ~problem.mistaken, problem.heldout & ~problem.mistaken
+    known = (train | heldout)[: len(fine)]
     begins = block_begins(problem.rows(np.arange(len(fine))), size) if like is None else like.begins
     blocks = Averaged(fine, size, begins, known)
     kinetics = fine.kinetics
@@ -144,8 +147,9 @@ def averaged(problem: Problem, like: Averaged | None = None) -> tuple[Problem, i
         motion=motion,
         measured=blocks.mean(problem.measured[:n]),
         simulated=blocks.mean(problem.simulated[:n]),
-        train=blocks.mean(problem.train[:n].astype(float)) == 1.0,
-        heldout=blocks.mean(problem.heldout[:n].astype(float)) == 1.0,
+        train=blocks.mean(train[:n].astype(float)) == 1.0,
+        heldout=blocks.mean(heldout[:n].astype(float)) == 1.0,
+        lone=None,
         averaged=blocks,
     )
     return small, size

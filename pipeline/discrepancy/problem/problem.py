@@ -37,17 +37,18 @@ class Problem:
     derivatives: of the position that a force is measured against. delay: by how much that force was
     recorded later than its motion. counted: the step of the encoder that counted the drive, see
     `counts.py`; rough: the noise of one that was measured, see `rough.py`; 0.0 of another. stale:
-    which samples say again what the one before said. replaced: the simulation as it came, where
-    another stands in its place: a line in a command where it does not move, the middle of its two
-    branches where it jumps with the direction (`jumping.py`). unsettled: how many measured samples
-    come after a hole and don't count, see `holes.py`. own: what was taken off measured and
-    simulated, as the simulation does it beside its curve, RMS, see `own_dynamics.py`. course: what
-    the simulation surely has beside its curve (a lag, play, ...), see `course.py`. levels: of a
-    sensor that reads in such. read: the measurement as it was read, where what readings are off by
-    was taken off, see `levels.py`. coursed, traced: the same where the little that the simulation
-    does beside its curve is a course of its own, and with its trace as drive. elsewhere: the same
-    where the simulation's own friction, which may be at its drive or at its joint, is at the other
-    place.
+    which samples say again what the one before said. lone: samples of a force that stand alone and
+    count in no mean, see `lone_samples.py`; None where the rows are no samples of one. replaced:
+    the simulation as it came, where another stands in its place: a line in a command where it does
+    not move, the middle of its two branches where it jumps with the direction (`jumping.py`).
+    unsettled: how many measured samples come after a hole and don't count, see `holes.py`. own:
+    what was taken off measured and simulated, as the simulation does it beside its curve, RMS, see
+    `own_dynamics.py`. course: what the simulation surely has beside its curve (a lag, play, ...),
+    see `course.py`. levels: of a sensor that reads in such. read: the measurement as it was read,
+    where what readings are off by was taken off, see `levels.py`. coursed, traced: the same where
+    the little that the simulation does beside its curve is a course of its own, and with its trace
+    as drive. elsewhere: the same where the simulation's own friction, which may be at its drive or
+    at its joint, is at the other place.
     """
 
     motion: Motion
@@ -67,6 +68,7 @@ class Problem:
     counted: float = 0.0
     rough: float = 0.0
     stale: StaleSamples = NONE_STALE
+    lone: np.ndarray | None = None
     replaced: np.ndarray | None = None
     unsettled: int = 0
     own: float = 0.0
@@ -85,6 +87,11 @@ class Problem:
     def mixed(self) -> bool:
         """Whether the simulation's trace mixes commands: then no one shaft is behind it."""
         return self.drive in self.motion.others
+
+    @property
+    def mistaken(self) -> np.ndarray:
+        """Rows (n,) that are mistaken in themselves, whatever explains the others."""
+        return np.zeros(len(self.measured), dtype=bool) if self.lone is None else self.lone
 
     @property
     def late_last(self) -> "Problem | None":
@@ -143,6 +150,7 @@ class Problem:
             simulated=self.simulated[wanted],
             train=self.train[wanted],
             heldout=self.heldout[wanted],
+            lone=None if self.lone is None else self.lone[wanted],
             levels=None if self.levels is None else self.levels.rows(wanted),
             read=None if self.read is None else self.read[wanted],
         )

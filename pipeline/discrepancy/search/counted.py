@@ -75,7 +75,8 @@ def set_aside(problem: Problem, predicted: np.ndarray, prior: NoisePrior) -> np.
     off = problem.measured - predicted
     again = () if problem.motion.kinetics is None else driven_again(problem)
     odd = isolated(off, problem.train, prior.finest, problem.cycle, again)
-    return np.asarray(odd | late_rows(problem, predicted, prior, [alike_rows(problem)]).aside)
+    late = late_rows(problem, predicted, prior, [alike_rows(problem)]).aside
+    return np.asarray(odd | late | problem.mistaken)
 
 
 def between_slips(problem: Problem, choice: Choice) -> np.ndarray:

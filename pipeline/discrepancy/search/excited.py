@@ -32,5 +32,5 @@ def not_excited(problem: Problem) -> tuple[str, ...]:
     """Names of the catalogue that this recording could not have shown."""
     every = {t.name for t in (*terms(problem.motion.others), *force_terms())} | {"coupling"}
     shown = {t.name for t in (*excited_terms(problem), *further_terms(problem))}
-    shown |= {"marker_outliers"} if problem.motion.kinetics is None else {t.name for t in LATE}
+    shown |= {"marker_outliers", *(t.name for t in LATE if problem.motion.kinetics is not None)}
     return tuple(sorted(every - shown))
