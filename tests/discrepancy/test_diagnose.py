@@ -271,6 +271,8 @@ def test_held_out_are_every_third_cycle_or_the_last_third():
     assert held(nine, known, "last_third") == list(range(24, 36))
     assert held(nine, known, "after_s", 30.0) == list(range(31, 36))
     assert held(np.zeros(30, dtype=int), known[:30]) == list(range(20, 30))
+    hardly_a_third_cycle = np.repeat([0, 1, 2], [17, 18, 1])
+    assert held(hardly_a_third_cycle, known) == list(range(24, 36))
 
 
 def test_where_the_wire_lay_before_a_recording_began_bears_no_name():

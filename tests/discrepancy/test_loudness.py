@@ -40,6 +40,12 @@ def test_of_few_rows_nothing_is_said():
     assert np.all(loudness(errors(4.0), ANGLES, few) == 1.0)
 
 
+def test_a_joint_that_mostly_stands_still_has_no_usual_noise():
+    standing = np.where(np.abs(ANGLES) < 30.0, 1e-5, 1.0) * errors(0.0)
+    assert np.all(loudness(standing, ANGLES, EVERY) == 1.0)
+    assert loud_note(standing, ANGLES, EVERY, "deg") == []
+
+
 @pytest.mark.parametrize("seed", [3, 4])
 def test_a_sensor_that_is_noisy_at_the_ends_mistakes_no_frames(seed):
     recording = recorded({}, seed=seed, cycles=9, noise=0.1)

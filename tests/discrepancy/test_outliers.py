@@ -275,3 +275,16 @@ def test_tails_are_told_from_what_is_left_of_them(freedom: float) -> None:
 def test_a_gaussian_that_is_cut_off_has_no_heavy_tails() -> None:
     values = np.random.default_rng(4).standard_normal(4000)
     assert mistaken.tails_of(values[np.abs(values) < 3.0], 3.0) == (np.inf, 1.0)
+
+
+def test_a_drive_that_stands_and_then_steps_is_on_its_way_and_not_mistaken() -> None:
+    """A servo of 0.2 s that steps every 3 s: what stands off in each sixth sample is no mistake."""
+    command = np.repeat(np.random.default_rng(4).uniform(-9.0, 9.0, 40), 30)
+    angle = command.copy()
+    for k in range(1, len(angle)):
+        angle[k] = angle[k - 1] + 0.4 * (command[k - 1] - angle[k - 1])
+    off = np.round(angle - command, 1)
+    every, cycle = np.ones(len(off), dtype=bool), np.zeros(len(off), dtype=int)
+    assert not isolated(off, every, 1e-3, cycle).any()
+    alone = np.where(np.arange(len(off)) % 97 == 5, 3.0, 0.0)
+    assert isolated(alone, every, 1e-3, cycle).sum() == np.sum(alone > 0.0)

@@ -6,7 +6,7 @@ from pipeline.discrepancy.problem.outliers import robust_deviation
 from pipeline.number_words import worded
 
 PLACES, FEWEST, SURE = 8, 20, 4.0
-WORTH_SAYING = 1.5
+WORTH_SAYING, STANDS = 1.5, 0.01
 
 
 def loudness(errors: np.ndarray, along: np.ndarray, train: np.ndarray) -> np.ndarray:
@@ -19,7 +19,7 @@ def loudness(errors: np.ndarray, along: np.ndarray, train: np.ndarray) -> np.nda
     """
     rows = np.flatnonzero(train & np.isfinite(errors))
     usual = robust_deviation(errors[rows])
-    if len(rows) < PLACES * FEWEST or usual == 0.0:
+    if len(rows) < PLACES * FEWEST or usual <= STANDS * np.std(errors[rows]):
         return np.ones(len(errors))
     parts = np.array_split(rows[np.argsort(along[rows], kind="stable")], PLACES)
     middles = [float(np.median(along[part])) for part in parts]

@@ -156,10 +156,13 @@ class Evidence:
         return self.measured - self.after
 
     def errors(self, predicted: np.ndarray) -> Errors:
-        """Those of a prediction (n,), over measured rows that are no outliers."""
+        """Those of a prediction (n,), over measured rows but outliers; over all where all are."""
         square = (self.measured - predicted) ** 2
         train, heldout = self.train & self.used, self.heldout & self.used
-        return Errors(root_mean(square[train]), root_mean(square[heldout]))
+        return Errors(
+            root_mean(square[train if train.any() else self.train]),
+            root_mean(square[heldout if heldout.any() else self.heldout]),
+        )
 
 
 def root_mean(square: np.ndarray) -> float:

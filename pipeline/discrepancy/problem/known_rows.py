@@ -13,6 +13,7 @@ from pipeline.errors import refusal
 from pipeline.physics.motion import Motion
 
 HELD_OUT_EVERY = 3
+FEWEST_HELD_OUT = 0.05
 FEWEST_SAMPLES = 40
 
 
@@ -71,7 +72,7 @@ def held_out_rows(config: HeldoutConfig, motion: Motion, known: np.ndarray) -> n
     """Rows (n,) that are held out, of those that are known (n,).
 
     Of every third cycle, the last third of the known rows where there are fewer than three cycles,
-    or where none or all of those rows were measured; or as the configuration says otherwise.
+    or where hardly any or all of those rows were measured; or as the configuration says otherwise.
     """
     cycle = motion.cycle
     if config.kind == "after_s":
@@ -79,8 +80,8 @@ def held_out_rows(config: HeldoutConfig, motion: Motion, known: np.ndarray) -> n
         return rows
     numbers = np.unique(cycle)
     rows = np.isin(cycle, numbers[HELD_OUT_EVERY - 1 :: HELD_OUT_EVERY])
-    few = len(numbers) < HELD_OUT_EVERY or not rows[known].any() or rows[known].all()
-    if few or config.kind == "last_third":
+    few = len(numbers) < HELD_OUT_EVERY or not known.any()
+    if few or not FEWEST_HELD_OUT <= np.mean(rows[known]) < 1.0 or config.kind == "last_third":
         rows = np.zeros(len(cycle), dtype=bool)
         have = np.flatnonzero(known)
         if len(have):

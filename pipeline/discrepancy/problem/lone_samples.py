@@ -17,8 +17,9 @@ def lone_samples(problem: Problem) -> np.ndarray:
     """Mask (n,) of known samples that stand apart from those beside them, see `lone_spikes`.
 
     A few in a row may be friction on a short way back, and what swings from sample to sample is a
-    filter's or a joint's answer. Not those that come again where the motion does. Where they go by the motion, not those about a reversal: what breaks loose there is no
-    mistake; none where the others still do.
+    filter's or a joint's answer. Not those that come again where the motion does. Where they go by
+    the motion, not those about a reversal: what breaks loose there is no mistake; none where the
+    others still do.
     """
     known = problem.train | problem.heldout
     off = np.where(known, problem.measured - problem.simulated, np.nan)

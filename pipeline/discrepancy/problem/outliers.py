@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from pipeline.discrepancy.problem.spikes import NEIGHBOURS, off_both_sides
+from pipeline.discrepancy.problem.spikes import LARGEST_SHARE, NEIGHBOURS, off_both_sides
 from pipeline.recording import branch_of
 
 ISOLATED = 5.0
@@ -35,7 +35,10 @@ def isolated(
         return in_rows
     scale = max(robust_deviation(off[train & known]), finest)
     lone = known & (np.abs(off) > ISOLATED * scale) & ~returning(off, repeats)
-    return np.asarray(lone | in_rows)
+    found = lone | in_rows
+    if np.sum(found) > LARGEST_SHARE * np.sum(np.isfinite(residual)):
+        return np.zeros(len(residual), dtype=bool)
+    return np.asarray(found)
 
 
 def bursts(
