@@ -14,12 +14,16 @@ from pipeline.discrepancy.model.result import Evidence, NamedPhysics, root_mean
 from pipeline.discrepancy.problem.lone_samples import about_reversals
 from pipeline.discrepancy.problem.outliers import robust_deviation
 from pipeline.discrepancy.search.counted import INCREDIBLE
-from pipeline.physics.catalogue import term
+from pipeline.number_words import worded
 from pipeline.physics.marker_outliers import MarkerOutliers
-from pipeline.physics.term import Surroundings
+
+ALONE = (
+    "{share:.2g} of the samples stand alone, about {size} {unit} off: the sensor or its line "
+    "mistook them."
+)
 
 
-def mistaken_samples(evidence: Evidence, around: Surroundings) -> NamedPhysics | None:
+def mistaken_samples(evidence: Evidence, unit: str) -> NamedPhysics | None:
     """The samples that stand alone, with their share and size; None where few do.
 
     Nor where noise with heavy tails throws some as far: what any law of friction leaves where the
@@ -34,14 +38,13 @@ def mistaken_samples(evidence: Evidence, around: Surroundings) -> NamedPhysics |
     off = np.abs(left[rows])
     if thrown_as_far(off / deviation, others / deviation):
         return None
-    found = share_of(int(rows.sum()), int(evidence.train.sum())), size_of(off, around.angle_unit)
-    name = MarkerOutliers.name
+    share, size = share_of(int(rows.sum()), int(evidence.train.sum())), size_of(off, unit)
     return NamedPhysics(
-        name=name,
+        name=MarkerOutliers.name,
         site="sensor",
         probability=SURELY,
-        parameters=found,
+        parameters=(share, size),
         heldout_rmse_without=root_mean((left**2)[np.isfinite(left) & evidence.heldout]),
         alternatives=(),
-        says=term(name).sentence(np.array([e.value for e in found]), around),
+        says=ALONE.format(share=share.value, size=worded(size.value), unit=unit),
     )

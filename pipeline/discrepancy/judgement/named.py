@@ -47,7 +47,7 @@ def named_physics(
     problem = explanation.problem
     beside = [stale_now_and_then(problem, evidence)]
     if problem.motion.kinetics is not None:
-        beside.append(mistaken_samples(evidence, problem.around))
+        beside.append(mistaken_samples(evidence, problem.around.angle_unit))
     else:
         told = {*out, *(b.name for b in beside if b is not None)}
         if not structure.found:
