@@ -29,6 +29,7 @@ def evidence() -> Evidence:
         recording=Recording(samples, channels), measurement="pitch_angle_deg",
         drive="pitch_command_deg", static=True, motion=Motion(drive, time_s, cycle),
         measured=measured, train=~heldout, heldout=heldout, used=np.ones(1200, dtype=bool),
+        mistaken=np.zeros(1200, dtype=bool),
         before=simulated, after=simulated, deviation=np.ones(1200), noise=NoiseModel(0.1),
         hypotheses=(),
     )  # fmt: skip

@@ -42,7 +42,7 @@ def test_of_few_rows_nothing_is_said():
 
 def test_a_joint_that_mostly_stands_still_has_no_usual_noise():
     standing = np.where(np.abs(ANGLES) < 30.0, 1e-5, 1.0) * errors(0.0)
-    assert np.all(loudness(standing, ANGLES, EVERY) == 1.0)
+    assert loudness(standing, ANGLES, EVERY).max() > 100.0
     assert loud_note(standing, ANGLES, EVERY, "deg") == []
 
 

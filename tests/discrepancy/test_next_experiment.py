@@ -63,7 +63,7 @@ def evidence_of(
     angle = 0.7 * drive
     return Evidence(
         recording, "pitch_angle_deg", "pitch_command_deg" if static else "pitch_sim_deg", static,
-        motion, angle, rows, ~rows, rows, angle, angle, np.ones(len(samples)), NOISE,
+        motion, angle, rows, ~rows, rows, ~rows, angle, angle, np.ones(len(samples)), NOISE,
         tuple(hypotheses),
     )  # fmt: skip
 

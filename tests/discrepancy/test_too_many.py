@@ -34,7 +34,7 @@ def test_a_servo_that_answers_short_pulses_is_no_sensor_that_mistakes_them():
     asked = pulses(time_s)
     recording = followed(time_s, asked, servo(time_s, pulses, 0.15, 160.0, 160.0), 0.1)
     found = diagnosed(changed(recording, **{SIMULATED: 0.3 * asked + 1.0}))
-    assert found.diagnoses[0].verdict in {"unknown_physics", "partly_explained"}
+    assert names(found) >= {"frame_lag", "response_lag"}
     assert "marker_outliers" not in names(found)
 
 

@@ -73,7 +73,8 @@ def evidence(name: str = "pitch_angle_deg", cycles: int = 6) -> Evidence:
     found = Evidence(
         recording=Recording(samples, channels), measurement=name, drive="pitch_command_deg",
         static=True, motion=motion, measured=measured, train=~heldout, heldout=heldout,
-        used=np.isfinite(measured), before=0.7 * drive, after=after,
+        used=np.isfinite(measured), mistaken=np.zeros(len(measured), dtype=bool),
+        before=0.7 * drive, after=after,
         deviation=np.full(len(drive), 0.2), noise=NoiseModel(0.2),
         hypotheses=(Hypothesis(("backlash",), 0.9, Mechanism()),
                     Hypothesis((), 0.1, Mechanism())),

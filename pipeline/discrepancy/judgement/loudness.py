@@ -6,7 +6,7 @@ from pipeline.discrepancy.problem.outliers import robust_deviation
 from pipeline.number_words import worded
 
 PLACES, FEWEST, SURE = 8, 20, 4.0
-WORTH_SAYING, STANDS = 1.5, 0.01
+WORTH_SAYING, STANDS = 1.5, 100.0
 
 
 def loudness(errors: np.ndarray, along: np.ndarray, train: np.ndarray) -> np.ndarray:
@@ -19,7 +19,7 @@ def loudness(errors: np.ndarray, along: np.ndarray, train: np.ndarray) -> np.nda
     """
     rows = np.flatnonzero(train & np.isfinite(errors))
     usual = robust_deviation(errors[rows])
-    if len(rows) < PLACES * FEWEST or usual <= STANDS * np.std(errors[rows]):
+    if len(rows) < PLACES * FEWEST or usual == 0.0:
         return np.ones(len(errors))
     parts = np.array_split(rows[np.argsort(along[rows], kind="stable")], PLACES)
     middles = [float(np.median(along[part])) for part in parts]
@@ -29,10 +29,13 @@ def loudness(errors: np.ndarray, along: np.ndarray, train: np.ndarray) -> np.nda
 
 
 def loud_note(errors: np.ndarray, along: np.ndarray, train: np.ndarray, unit: str) -> list[str]:
-    """Where the noise is much louder than usual, in words; nothing where it is nowhere."""
+    """Where the noise is much louder than usual, in words; nothing where it is nowhere.
+
+    Nor where it is so by more than STANDS: a joint that mostly stands still has no usual noise.
+    """
     louder = np.where(train, loudness(errors, along, train), 0.0)
     most = int(np.argmax(louder))
-    if louder[most] < WORTH_SAYING:
+    if not WORTH_SAYING <= louder[most] < STANDS:
         return []
     return [
         f"The noise is up to {worded(louder[most])} times as large as usual, about "

@@ -11,6 +11,7 @@ ISOLATED = 5.0
 RETURNS, FEWEST_REPEATS, MOST = 0.5, 3, 0.65
 FEWEST_KIN = 4
 SHORT, LONGEST, OF_CYCLE = 5, 12, 0.06
+TOGETHER = 0.6
 SUDDEN, BACK, EVEN, SEEN = 0.6, 0.5, 0.4, 4
 
 
@@ -36,7 +37,9 @@ def isolated(
     scale = max(robust_deviation(off[train & known]), finest)
     lone = known & (np.abs(off) > ISOLATED * scale) & ~returning(off, repeats)
     found = lone | in_rows
-    if np.sum(found) > LARGEST_SHARE * np.sum(np.isfinite(residual)):
+    measured = found[np.isfinite(residual)]
+    beside = np.convolve(measured, [1, 0, 1], mode="same")[measured] > 0
+    if np.mean(measured) > LARGEST_SHARE and np.mean(beside) > TOGETHER:
         return np.zeros(len(residual), dtype=bool)
     return np.asarray(found)
 
