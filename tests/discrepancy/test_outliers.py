@@ -288,3 +288,11 @@ def test_a_drive_that_stands_and_then_steps_is_on_its_way_and_not_mistaken() -> 
     assert not isolated(off, every, 1e-3, cycle).any()
     alone = np.where(np.arange(len(off)) % 97 == 5, 3.0, 0.0)
     assert isolated(alone, every, 1e-3, cycle).sum() == np.sum(alone > 0.0)
+
+
+@pytest.mark.parametrize(("first", "named"), [(0, set()), (40, {"marker_outliers"})])
+def test_how_a_mechanism_lay_before_a_recording_is_no_mistake(first: int, named: set[str]) -> None:
+    recording = recorded({}, seed=3)
+    seen = recording.values(ANGLE).copy()
+    seen[[first, STEPS + 20, STEPS + 55]] += 8.0 * NOISE
+    assert names(diagnosed(changed(recording, **{ANGLE: seen}))) == named

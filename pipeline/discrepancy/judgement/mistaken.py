@@ -227,7 +227,8 @@ def late_by(explanation: Explanation, choice: Choice) -> LateFrames:
 def incredible(explanation: Explanation) -> np.ndarray:
     """Training rows (n,) that are off by more than the noise at their angle makes credible.
 
-    Those while a shaft slips, those of an earlier pose and those at the edge of a stair are none.
+    Those while a shaft slips, those of an earlier pose and those at the edge of a stair are none,
+    nor the first ones: how a mechanism lay before the recording shows there.
     """
     problem, fit = explanation.problem, explanation.choices[0].fit
     rows = problem.train & explanation.outliers & ~undated(fit, problem.motion.time_s)
@@ -238,7 +239,8 @@ def incredible(explanation: Explanation) -> np.ndarray:
         if isinstance(piece.term, SawRipple):
             rows &= ~piece.term.at_edge(problem.motion.drive, piece.values)
     usual = fit.ground.noise.deviation * loudness(off, fit.predicted, problem.train)
-    return np.asarray(rows & (np.abs(off) > INCREDIBLE * usual))
+    rows &= np.abs(off) > INCREDIBLE * usual
+    return np.asarray(rows & (np.cumsum(problem.train & ~rows) > 0))
 
 
 def errors_of(explanation: Explanation) -> np.ndarray:
