@@ -70,3 +70,8 @@ def test_the_account_stands_in_the_diagnosis(evidence: Evidence) -> None:
     assert diagnosis.next_experiment.commands == "next_commands.csv"
     assert proposal is not None
     assert proposal.commands is not None
+
+
+def test_errors_of_rows_that_are_all_outliers_are_those_of_all(evidence: Evidence) -> None:
+    found = replace(evidence, used=evidence.train).errors(evidence.before)
+    assert found == evidence.errors(evidence.before)

@@ -11,8 +11,9 @@ from pipeline.discrepancy.judgement.mistaken import (
     thrown_as_far,
 )
 from pipeline.discrepancy.model.result import Evidence, NamedPhysics, root_mean
-from pipeline.discrepancy.problem.lone_samples import about_reversals
 from pipeline.discrepancy.problem.outliers import robust_deviation
+from pipeline.discrepancy.problem.spikes import NEIGHBOURS
+from pipeline.discrepancy.problem.travelled import about_reversals
 from pipeline.discrepancy.search.counted import INCREDIBLE
 from pipeline.number_words import worded
 from pipeline.physics.marker_outliers import MarkerOutliers
@@ -30,7 +31,8 @@ def mistaken_samples(evidence: Evidence, unit: str) -> NamedPhysics | None:
     motion turns is none.
     """
     left = evidence.residual_after
-    others = left[evidence.train & evidence.used & ~about_reversals(evidence.motion.drive)]
+    turning = about_reversals(evidence.motion.drive, NEIGHBOURS)
+    others = left[evidence.train & evidence.used & ~turning]
     deviation = robust_deviation(others)
     rows = evidence.mistaken & evidence.train & (np.abs(left) > INCREDIBLE * deviation)
     if alone(rows) < FEWEST:

@@ -7,8 +7,7 @@ from pipeline.discrepancy.problem.outliers import returning
 from pipeline.discrepancy.problem.problem import Problem
 from pipeline.discrepancy.problem.repeats import driven_again
 from pipeline.discrepancy.problem.spikes import NEIGHBOURS, lone_spikes
-from pipeline.discrepancy.problem.travelled import travelled
-from pipeline.recording import reversals_of
+from pipeline.discrepancy.problem.travelled import about_reversals, travelled
 
 BY_CHANCE, SWINGING = 1e-3, 3
 
@@ -29,19 +28,11 @@ def lone_samples(problem: Problem) -> np.ndarray:
     heights[rows] = np.where(spikes.lone, spikes.height, 0.0)
     lone = (heights != 0.0) & ~returning(heights, again)
     lone &= ~binary_opening(lone, np.ones(SWINGING))
-    for counted in (known, known & ~about_reversals(problem.motion.drive)):
+    for counted in (known, known & ~about_reversals(problem.motion.drive, NEIGHBOURS)):
         lone &= counted
         if not goes_by_motion(problem, lone, counted):
             return np.asarray(lone)
     return np.zeros(len(off), dtype=bool)
-
-
-def about_reversals(drive: np.ndarray) -> np.ndarray:
-    """Mask (n,) of samples no more than NEIGHBOURS from one at which a drive (n,) turns."""
-    out = np.zeros(len(drive), dtype=bool)
-    for k in range(-NEIGHBOURS, NEIGHBOURS + 1):
-        out[np.clip(reversals_of(drive) + k, 0, len(drive) - 1)] = True
-    return out
 
 
 def goes_by_motion(problem: Problem, lone: np.ndarray, counted: np.ndarray) -> bool:

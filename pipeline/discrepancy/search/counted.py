@@ -17,6 +17,7 @@ from pipeline.discrepancy.problem.outliers import (
 )
 from pipeline.discrepancy.problem.problem import Problem
 from pipeline.discrepancy.problem.repeats import driven_again
+from pipeline.discrepancy.problem.travelled import about_reversals
 from pipeline.discrepancy.search.weighing import Choice
 from pipeline.physics.lost_steps import LostSteps
 from pipeline.recording import reversals_of
@@ -164,12 +165,9 @@ def turning(problem: Problem) -> np.ndarray:
 
     There dry friction jumps within a row or two: that is a corner and no outlier.
     """
-    out = np.zeros(len(problem.motion), dtype=bool)
-    if problem.motion.kinetics is not None:
-        turns = reversals_of(problem.motion.drive)
-        near = turns[:, None] + np.arange(-TURN_ROWS, TURN_ROWS + 1)
-        out[np.clip(near, 0, len(out) - 1)] = True
-    return out
+    if problem.motion.kinetics is None:
+        return np.zeros(len(problem.motion), dtype=bool)
+    return about_reversals(problem.motion.drive, TURN_ROWS)
 
 
 def settled_rows(problem: Problem, prior: NoisePrior) -> np.ndarray:
