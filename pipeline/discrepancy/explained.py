@@ -9,6 +9,7 @@ from pipeline.discrepancy.fitting.fit import evaluate, improve
 from pipeline.discrepancy.judgement.rivals import predicted_by
 from pipeline.discrepancy.problem.cornered import moved_on
 from pipeline.discrepancy.problem.levels import BLURRED
+from pipeline.discrepancy.problem.one_wire import LOOSENING, on_one_wire
 from pipeline.discrepancy.problem.problem import Problem
 from pipeline.discrepancy.problem.thinning import thinned
 from pipeline.discrepancy.search.explain import Explanation, explain
@@ -16,7 +17,7 @@ from pipeline.discrepancy.search.refuted import not_noise
 from pipeline.discrepancy.search.weighing import by_names
 from pipeline.physics.term import Term
 
-TRIED, FEW, CLEARLY = 12, 2, 2.0
+TRIED, FEW, CLEARLY, NEARLY = 12, 2, 2.0, 0.8
 
 
 def explained(problem: Problem) -> tuple[Problem, Explanation]:
@@ -36,6 +37,7 @@ def explained(problem: Problem) -> tuple[Problem, Explanation]:
             found = explain(thinned(other)[0])
             if better_by_row(found, explanation):
                 problem, explanation = other, found
+    problem, explanation = unless_on_one_wire(problem, explanation)
     between = between_levels(problem, explanation)
     if between is problem:
         return problem, explanation
@@ -80,6 +82,38 @@ def moved_first(problem: Problem, explanation: Explanation) -> Problem | None:
 def otherwise_loaded(other: Problem | None, explanation: Explanation) -> Problem | None:
     """Another problem, if there is one, and what loads the joint explains more there."""
     return where_better(other, explanation, lambda term: term.in_balance)
+
+
+def unless_on_one_wire(problem: Problem, explanation: Explanation) -> tuple[Problem, Explanation]:
+    """The problem and its explanation, or those of a joint that one wire holds, if clearly better.
+
+    Only what takes the other wire's pull away, slack or soft wire, makes one wire hold it.
+    """
+    if not unclear(explanation):
+        return problem, explanation
+    for other in on_one_wire(problem):
+        if nearly_as_good(other, explanation):
+            found = explain(thinned(other)[0])
+            loosened = any(name in LOOSENING for name in found.choices[0].fit.names)
+            if loosened and better_by_row(found, explanation):
+                problem, explanation = other, found
+    return problem, explanation
+
+
+def nearly_as_good(other: Problem, explanation: Explanation) -> bool:
+    """Whether what loosens a joint explains NEARLY as much in another problem all by itself."""
+    small, search = thinned(other)[0], explanation.search
+    best, empty = explanation.choices[0], next(c for c in explanation.choices if not c.fit.pieces)
+    ground = replace(best.fit.ground, problem=small)
+    loose = {
+        (p.term.name, p.term.form): p
+        for c in by_names([*explanation.choices, *search.seen.values()])
+        for p in c.fit.pieces
+        if p.term.name in LOOSENING
+    }
+    trials = (search.weighed(improve(evaluate(ground, (p,))), best.place) for p in loose.values())
+    enough = empty.score - NEARLY * (empty.score - best.score)
+    return any(trial.score < enough for trial in trials)
 
 
 def otherwise_moved(problem: Problem, explanation: Explanation) -> Problem | None:

@@ -24,6 +24,7 @@ FINEST = 1e-6
 BESIDE, BROKEN = 6, 6.0
 SURE, UNSURE = 0.08, 0.3
 MOVED = 1e-3
+FEWEST_FREE = 12
 
 
 @dataclass(frozen=True)
@@ -104,10 +105,11 @@ def learn_noise(problem: Problem, expected: np.ndarray | None = None) -> NoisePr
         (s, stands_in(problem.motion, r)) for r in groups for s in contrasts(residual, r, finest)
     ]
     series, stands = tuple(s for s, _ in found), tuple(still for _, still in found)
-    if sum(np.isfinite(s).sum() for s in series) >= 60:
-        repeats = sum(len(g) for g in groups)
+    free = sum(np.isfinite(s).sum() - 1 for s in series)
+    if free >= FEWEST_FREE:
+        repeats, sure = sum(len(g) for g in groups), max(SURE, 1.0 / np.sqrt(2.0 * free))
         model = fit_noise(series, finest)
-        return NoisePrior(model, repeats, SURE, series, finest, stands, tuple(groups))
+        return NoisePrior(model, repeats, sure, series, finest, stands, tuple(groups))
     rough = (rough_part(residual, problem),)
     return NoisePrior(fit_noise(rough, finest), 0, UNSURE, (), finest)
 
@@ -156,7 +158,7 @@ def contrasts(residual: np.ndarray, rows: np.ndarray, finest: float) -> list[np.
     for pattern in np.unique(have, axis=1).T:
         steps = np.all(have == pattern[:, None], axis=0)
         degree = 1 if pattern.sum() >= 3 else 0
-        if pattern.sum() <= degree + 1 or steps.sum() < FEWEST_STEPS:
+        if pattern.sum() <= degree + 1 or steps.sum() < min(FEWEST_STEPS, values.shape[1] // 3):
             continue
         free = free_of(number[pattern], degree)
         for j in range(free.shape[1]):
