@@ -122,6 +122,16 @@ def test_cycles_that_lack_rows_still_repeat():
         assert prior.model.deviation == pytest.approx(NOISE, rel=0.1)
 
 
+def test_a_few_targets_a_cycle_repeat_too():
+    """As in a test of positioning: what is rough there is the targets' own errors, not noise."""
+    whole = recorded({"transmission_ripple": {"amplitude": 3.0, "period": 9.0}}, seed=3)
+    samples = whole.samples.iloc[::6].reset_index(drop=True)
+    prior = learn_noise(posed(Recording(samples, whole.channels, "simulated")))
+    assert prior.repeats == 4
+    assert prior.model.deviation == pytest.approx(NOISE, rel=0.3)
+    assert 0.08 < prior.sure < 0.2
+
+
 @pytest.mark.parametrize("walk", [0.0, 0.3])
 @pytest.mark.parametrize("moves", [False, True])
 def test_cycles_repeat_beside_another_axis_where_that_moves_nothing(walk, moves):

@@ -12,6 +12,7 @@ from pipeline.discrepancy.judgement.walking_zero import walk_in_a_cycle
 from pipeline.discrepancy.model.result import Evidence, root_mean
 from pipeline.discrepancy.problem.fitted import LOOSE_GAIN
 from pipeline.discrepancy.problem.inputs import input_shares, said_shares
+from pipeline.discrepancy.problem.one_wire import WIRES, held_by_one, loaded_by
 from pipeline.discrepancy.problem.problem import Problem
 from pipeline.discrepancy.search.accuracy import hidden
 from pipeline.discrepancy.search.explain import Explanation
@@ -21,6 +22,7 @@ from pipeline.physics.differentiation import Derivatives
 from pipeline.recording import Recording
 
 WORTH_SAYING, NEARER = 0.25, 0.7
+ONE_WIRE = "It moves the joint twice as far here: one wire holds it, where the simulation has two."
 
 
 def notes(
@@ -149,7 +151,9 @@ def course_note(problem: Problem) -> list[str]:
     """What the simulation has beside its curve, and where named terms act."""
     if problem.course is None:
         return []
-    course = problem.course
+    course, more = problem.course, ""
+    if held_by_one(problem):
+        course, more = loaded_by(course, 1.0 / WIRES), f" {ONE_WIRE}"
     where = "before it, at the joint too" if course.sensor else "inside of it"
     if course.joint:
         where = "before the joint or beside it there"
@@ -158,7 +162,7 @@ def course_note(problem: Problem) -> list[str]:
     has = " ".join(p.term.sentence(p.values, problem.around) for p in course.pieces)
     return [
         f"The simulation itself has, of {problem.drive}: {has} "
-        f"That is kept as it is: what is named acts {where}."
+        f"That is kept as it is: what is named acts {where}.{more}"
     ]
 
 

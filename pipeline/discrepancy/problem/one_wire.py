@@ -8,6 +8,7 @@ from dataclasses import replace
 
 from pipeline.discrepancy.problem.problem import Problem
 from pipeline.physics.compliance import Compliance
+from pipeline.physics.mechanism import OwnCourse
 from pipeline.physics.own_amount import times
 from pipeline.physics.slack import Slack
 
@@ -28,22 +29,21 @@ def loads(problem: Problem) -> bool:
 
 
 def twice_loaded(problem: Problem) -> Problem:
-    """The problem with twice the simulation's own loads: no term says then by how much they differ.
-
-    Of what has no load there, as much as before.
-    """
+    """The problem with twice the simulation's own loads; no term says how much more or less."""
     assert problem.course is not None
-    joint = problem.course.joint
-    doubled = tuple(times(piece, WIRES, as_stiff=False) for piece in joint)
-    own = {k: v for k, v in problem.around.own.items() if k not in {p.term.name for p in joint}}
-    return replace(
-        problem,
-        course=replace(problem.course, joint=doubled),
-        around=replace(problem.around, own=own),
-    )
+    gone = {piece.term.name for piece in problem.course.joint}
+    own = {name: amount for name, amount in problem.around.own.items() if name not in gone}
+    around = replace(problem.around, own=own)
+    return replace(problem, course=loaded_by(problem.course, WIRES), around=around)
+
+
+def loaded_by(course: OwnCourse, factor: float) -> OwnCourse:
+    """A course with that many times its loads at the joint."""
+    joint = tuple(times(piece, factor, as_stiff=False) for piece in course.joint)
+    return replace(course, joint=joint)
 
 
 def held_by_one(problem: Problem) -> bool:
     """Whether a problem is of a joint that one wire holds, and two in its simulation."""
     joint = () if problem.course is None else problem.course.joint
-    return bool(joint) and not any(piece.term.name in problem.around.own for piece in joint)
+    return bool(joint) and not loads(problem)
