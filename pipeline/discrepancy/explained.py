@@ -103,8 +103,9 @@ def unless_on_one_wire(problem: Problem, explanation: Explanation) -> tuple[Prob
 def nearly_as_good(other: Problem, explanation: Explanation) -> bool:
     """Whether what loosens a joint explains NEARLY as much in another problem all by itself."""
     small, search = thinned(other)[0], explanation.search
-    best, empty = explanation.choices[0], next(c for c in explanation.choices if not c.fit.pieces)
+    best = explanation.choices[0]
     ground = replace(best.fit.ground, problem=small)
+    empty = search.weighed(evaluate(ground, ()), best.place)
     loose = {
         (p.term.name, p.term.form): p
         for c in by_names([*explanation.choices, *search.seen.values()])
