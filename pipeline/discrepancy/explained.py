@@ -1,6 +1,6 @@
 """An angle explained, also as a sensor with levels reads it and as its simulation moves itself."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -9,12 +9,12 @@ from pipeline.discrepancy.fitting.fit import evaluate, improve
 from pipeline.discrepancy.judgement.rivals import predicted_by
 from pipeline.discrepancy.problem.cornered import moved_on
 from pipeline.discrepancy.problem.levels import BLURRED
-from pipeline.discrepancy.problem.one_wire import LOOSENING, on_one_wire
+from pipeline.discrepancy.problem.one_wire import AS_STIFF, LOOSENING, SOFTER, on_one_wire
 from pipeline.discrepancy.problem.problem import Problem
 from pipeline.discrepancy.problem.thinning import thinned
 from pipeline.discrepancy.search.explain import Explanation, explain
 from pipeline.discrepancy.search.refuted import not_noise
-from pipeline.discrepancy.search.weighing import by_names
+from pipeline.discrepancy.search.weighing import LEAST_GAIN, by_names
 from pipeline.physics.term import Term
 
 TRIED, FEW, CLEARLY, NEARLY = 12, 2, 2.0, 0.8
@@ -91,8 +91,9 @@ def unless_on_one_wire(problem: Problem, explanation: Explanation) -> tuple[Prob
     """
     if not unclear(explanation):
         return problem, explanation
-    for other in on_one_wire(problem):
-        if nearly_as_good(other, explanation):
+    for ways in zip(*(on_one_wire(problem, far) for far in (AS_STIFF, *SOFTER)), strict=True):
+        other = nearly_as_good(ways, explanation)
+        if other is not None:
             found = explain(thinned(other)[0])
             loosened = any(name in LOOSENING for name in found.choices[0].fit.names)
             if loosened and better_by_row(found, explanation):
@@ -100,21 +101,27 @@ def unless_on_one_wire(problem: Problem, explanation: Explanation) -> tuple[Prob
     return problem, explanation
 
 
-def nearly_as_good(other: Problem, explanation: Explanation) -> bool:
-    """Whether what loosens a joint explains NEARLY as much in another problem all by itself."""
-    small, search = thinned(other)[0], explanation.search
-    best = explanation.choices[0]
-    ground = replace(best.fit.ground, problem=small)
-    empty = search.weighed(evaluate(ground, ()), best.place)
+def nearly_as_good(ways: Sequence[Problem], explanation: Explanation) -> Problem | None:
+    """The problem in which what loosens a joint explains most all by itself; the first if as much.
+
+    None where that is in none of them NEARLY what the best does.
+    """
+    search, best = explanation.search, explanation.choices[0]
     loose = {
         (p.term.name, p.term.form): p
         for c in by_names([*explanation.choices, *search.seen.values()])
         for p in c.fit.pieces
         if p.term.name in LOOSENING
     }
-    trials = (search.weighed(improve(evaluate(ground, (p,))), best.place) for p in loose.values())
-    enough = empty.score - NEARLY * (empty.score - best.score)
-    return any(trial.score < enough for trial in trials)
+    scores, empty = [], 0.0
+    for k, way in enumerate(ways):
+        ground = replace(best.fit.ground, problem=thinned(way)[0])
+        alone = [improve(evaluate(ground, (p,))) for p in loose.values()]
+        weighed = [search.weighed(fit, best.place).score for fit in (evaluate(ground, ()), *alone)]
+        empty = weighed[0] if k == 0 else empty
+        scores.append(min(weighed) + (LEAST_GAIN if k else 0.0))
+    enough = empty - NEARLY * (empty - best.score)
+    return ways[int(np.argmin(scores))] if min(scores) < enough else None
 
 
 def otherwise_moved(problem: Problem, explanation: Explanation) -> Problem | None:

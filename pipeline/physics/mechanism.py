@@ -1,7 +1,7 @@
 """A mechanism: terms in their order, from the drive to what the sensor says."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -18,7 +18,8 @@ class OwnCourse:
 
     drive: before the curve, as a motor's lag or play. curve: behind it. joint: in the balance.
     sensor: behind that, as a filter's lag. shaft: ahead of all that terms do to the drive, which
-    come between it and `drive`.
+    come between it and `drive`. farther: how many times as far what is in the balance moves the
+    joint as it does in the simulation.
     """
 
     drive: tuple[Piece, ...] = ()
@@ -26,6 +27,7 @@ class OwnCourse:
     joint: tuple[Piece, ...] = ()
     sensor: tuple[Piece, ...] = ()
     shaft: tuple[Piece, ...] = ()
+    farther: float = field(default=1.0, kw_only=True)
 
     @property
     def pieces(self) -> tuple[Piece, ...]:
@@ -52,10 +54,11 @@ class OwnCourse:
 
     def as_changed(self, pieces: Sequence[Piece]) -> "OwnCourse":
         """The same with as much of each as pieces say, see `own_amount.py`."""
-        return OwnCourse(*(changed(getattr(self, place), pieces) for place in PLACES))
+        own = (changed(getattr(self, place), pieces) for place in PLACES)
+        return OwnCourse(*own, farther=self.farther)
 
 
-PLACES = tuple(place.name for place in fields(OwnCourse))
+PLACES = "drive", "curve", "joint", "sensor", "shaft"
 State = Mapping[str, np.ndarray]
 COURSE = "course"
 

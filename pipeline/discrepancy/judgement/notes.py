@@ -12,7 +12,7 @@ from pipeline.discrepancy.judgement.walking_zero import walk_in_a_cycle
 from pipeline.discrepancy.model.result import Evidence, root_mean
 from pipeline.discrepancy.problem.fitted import LOOSE_GAIN
 from pipeline.discrepancy.problem.inputs import input_shares, said_shares
-from pipeline.discrepancy.problem.one_wire import WIRES, held_by_one, loaded_by
+from pipeline.discrepancy.problem.one_wire import held_by_one, loaded_by
 from pipeline.discrepancy.problem.problem import Problem
 from pipeline.discrepancy.search.accuracy import hidden
 from pipeline.discrepancy.search.explain import Explanation
@@ -22,7 +22,7 @@ from pipeline.physics.differentiation import Derivatives
 from pipeline.recording import Recording
 
 WORTH_SAYING, NEARER = 0.25, 0.7
-ONE_WIRE = "It moves the joint twice as far here: one wire holds it, where the simulation has two."
+ONE_WIRE = "One wire holds the joint here, two in the simulation, which moves it farther"
 
 
 def notes(
@@ -153,7 +153,8 @@ def course_note(problem: Problem) -> list[str]:
         return []
     course, more = problem.course, ""
     if held_by_one(problem):
-        course, more = loaded_by(course, 1.0 / WIRES), f" {ONE_WIRE}"
+        more = f" {ONE_WIRE}: {worded(course.farther)} times as far."
+        course = loaded_by(course, 1.0 / course.farther)
     where = "before it, at the joint too" if course.sensor else "inside of it"
     if course.joint:
         where = "before the joint or beside it there"

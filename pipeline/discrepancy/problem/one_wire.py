@@ -1,7 +1,8 @@
-"""A joint that two wires hold in the simulation and one in the robot: its loads count twice there.
+"""A joint that two wires hold in the simulation and one in the robot: its loads move it farther.
 
 A load moves a joint by its force over the stiffness of the wires that hold it. Two wires that are
-drawn tight hold it together; where they hang slack, or are soft without a pull, one does at a time.
+drawn tight hold it together; where they hang slack, or are soft without a pull, one does at a time,
+and that may be a softer one.
 """
 
 from dataclasses import replace
@@ -13,37 +14,39 @@ from pipeline.physics.own_amount import times
 from pipeline.physics.slack import Slack
 
 LOOSENING = frozenset({Slack.name, Compliance.name})
-WIRES = 2.0
+AS_STIFF = 2.0
+SOFTER = (3.0, 4.5)
 
 
-def on_one_wire(problem: Problem) -> list[Problem]:
-    """The problem, however its simulation is taken apart, with twice its own loads at the joint."""
+def on_one_wire(problem: Problem, farther: float = AS_STIFF) -> list[Problem]:
+    """The problem, however its simulation is taken apart, with its own loads as much farther."""
     ways = (problem, problem.elsewhere, problem.loaded)
-    return [twice_loaded(way) for way in ways if way is not None and loads(way)]
+    return [moved_farther(way, farther) for way in ways if way is not None and loads(way)]
 
 
 def loads(problem: Problem) -> bool:
-    """Whether the simulation has a load of its own at the joint, as its own amounts say it."""
-    joint = () if problem.course is None else problem.course.joint
-    return any(piece.term.name in problem.around.own for piece in joint)
+    """Whether the simulation has a load of its own at the joint, where its own wires hold that."""
+    return problem.course is not None and bool(problem.course.joint) and not held_by_one(problem)
 
 
-def twice_loaded(problem: Problem) -> Problem:
-    """The problem with twice the simulation's own loads; no term says how much more or less."""
+def held_by_one(problem: Problem) -> bool:
+    """Whether a problem is of a joint that one wire holds, and two in its simulation."""
+    return problem.course is not None and problem.course.farther != 1.0
+
+
+def moved_farther(problem: Problem, farther: float) -> Problem:
+    """The problem with what loads the joint in the simulation moving it that many times as far.
+
+    No term says then how much more or less of it there is.
+    """
     assert problem.course is not None
     gone = {piece.term.name for piece in problem.course.joint}
     own = {name: amount for name, amount in problem.around.own.items() if name not in gone}
     around = replace(problem.around, own=own)
-    return replace(problem, course=loaded_by(problem.course, WIRES), around=around)
+    return replace(problem, course=loaded_by(problem.course, farther), around=around)
 
 
 def loaded_by(course: OwnCourse, factor: float) -> OwnCourse:
     """A course with that many times its loads at the joint."""
     joint = tuple(times(piece, factor, as_stiff=False) for piece in course.joint)
-    return replace(course, joint=joint)
-
-
-def held_by_one(problem: Problem) -> bool:
-    """Whether a problem is of a joint that one wire holds, and two in its simulation."""
-    joint = () if problem.course is None else problem.course.joint
-    return bool(joint) and not loads(problem)
+    return replace(course, joint=joint, farther=factor * course.farther)
