@@ -8,11 +8,12 @@ import pytest
 from scipy.optimize import brentq
 
 from pipeline.discrepancy.judgement.notes import ONE_WIRE
+from pipeline.discrepancy.model.result import Diagnosis
 from tests.discrepancy.made import SIMULATED, diagnosed, followed
 
 WIRE, GAIN, NOISE = 15.0, 0.7, 0.15
-DRAWN_TIGHT, SLACK = 12.0, -1.5
-REACHES, HOLDS = np.geomspace(0.8, 8.0, 8), np.full(8, 5.0)
+DRAWN_TIGHT, SLACK, TOE, SOFT = 12.0, -1.5, 3.0, 0.75
+REACHES = np.geomspace(0.8, 8.0, 8)
 
 
 def drive() -> np.ndarray:
@@ -22,8 +23,16 @@ def drive() -> np.ndarray:
     return np.tile(cycle, 9)
 
 
-def joint(asked: np.ndarray, tight: float) -> np.ndarray:
-    """Angles (n,) of a joint between two wires that pull, but never push, and what rubs there."""
+def pull(stretch: float, wire: float, toe: float) -> float:
+    """What a wire pulls by that is stretched so far, and soft at first over a toe; never pushes."""
+    taut = max(stretch, 0.0)
+    lacks = SOFT * toe * (1.0 - np.exp(-taut / toe)) if toe > 0.0 else 0.0
+    return wire * (taut - lacks)
+
+
+def joint(hold: float, tight: float, wire: float = WIRE, toe: float = 0.0) -> np.ndarray:
+    """Angles (n,) of a joint between two wires, with eight elements that rub, `hold` each."""
+    asked = drive()
     out, held, last = np.empty(len(asked)), np.zeros(len(REACHES)), 0.0
 
     def bent(angle: float) -> np.ndarray:
@@ -33,8 +42,8 @@ def joint(asked: np.ndarray, tight: float) -> np.ndarray:
 
         def torque(angle: float, way: float = way) -> float:
             stretch = way - angle / GAIN + angle / (2.0 * WIRE)
-            pull = max(tight + stretch, 0.0) - max(tight - stretch, 0.0)
-            return float(WIRE * pull - angle - HOLDS / REACHES @ bent(angle))
+            pulls = pull(tight + stretch, wire, toe) - pull(tight - stretch, wire, toe)
+            return float(pulls - angle - hold * np.sum(bent(angle) / REACHES))
 
         found = brentq(torque, last - 30.0, last + 30.0, xtol=1e-9)
         held, last = bent(found), found
@@ -42,34 +51,37 @@ def joint(asked: np.ndarray, tight: float) -> np.ndarray:
     return out
 
 
-@pytest.fixture(scope="module")
-def simulated() -> np.ndarray:
-    return joint(drive(), DRAWN_TIGHT)
-
-
-def test_slack_is_not_named_beside_friction_that_it_makes_count_twice(
-    simulated: np.ndarray,
-) -> None:
+def found_of(seen: np.ndarray, simulated: np.ndarray, seed: int) -> Diagnosis:
     asked = drive()
-    seen = joint(asked, SLACK) + NOISE * np.random.default_rng(4).standard_normal(len(asked))
-    recording = followed(3.0 * np.arange(len(asked)), asked, seen, 1.0 / 540.0)
+    noise = NOISE * np.random.default_rng(seed).standard_normal(len(asked))
+    recording = followed(3.0 * np.arange(len(asked)), asked, seen + noise, 1.0 / 540.0)
     recording.samples[SIMULATED] = simulated
-    found = diagnosed(recording).diagnoses[0]
+    return diagnosed(recording).diagnoses[0]
+
+
+def said_of_one_wire(found: Diagnosis) -> list[str]:
+    return [note.split(ONE_WIRE)[1] for note in found.notes if ONE_WIRE in note]
+
+
+def test_slack_is_not_named_beside_friction_that_it_makes_count_twice() -> None:
+    found = found_of(joint(5.0, SLACK), joint(5.0, DRAWN_TIGHT), 4)
     assert [p.name for p in found.physics] == ["slack"]
     width = next(e for e in found.physics[0].parameters if e.name == "width")
     assert width.low < -2.0 * SLACK < width.high
     assert found.after.heldout_rmse < 1.05 * NOISE
-    assert any(ONE_WIRE in note for note in found.notes)
+    assert said_of_one_wire(found) == [": 2 times as far."]
 
 
-def test_friction_that_is_twice_as_much_is_named_where_both_wires_pull(
-    simulated: np.ndarray,
-) -> None:
-    asked = drive()
-    rubs = simulated - GAIN * asked
-    seen = simulated + rubs + NOISE * np.random.default_rng(5).standard_normal(len(asked))
-    recording = followed(3.0 * np.arange(len(asked)), asked, seen, 1.0 / 540.0)
-    recording.samples[SIMULATED] = simulated
-    found = diagnosed(recording).diagnoses[0]
+@pytest.mark.parametrize(("wire", "times"), [(WIRE, "2"), (WIRE / 1.6, "3")])
+def test_a_soft_wire_without_a_pull_is_alone_too(wire: float, times: str) -> None:
+    found = found_of(joint(3.0, 0.0, wire, TOE), joint(3.0, DRAWN_TIGHT), 6)
+    assert [p.name for p in found.physics] == ["compliance"]
+    assert found.after.heldout_rmse < 1.1 * NOISE
+    assert said_of_one_wire(found) == [f": {times} times as far."]
+
+
+def test_friction_that_is_twice_as_much_is_named_where_both_wires_pull() -> None:
+    simulated = joint(5.0, DRAWN_TIGHT)
+    found = found_of(2.0 * simulated - GAIN * drive(), simulated, 5)
     assert [p.name for p in found.physics] == ["friction"]
-    assert not any(ONE_WIRE in note for note in found.notes)
+    assert not said_of_one_wire(found)
