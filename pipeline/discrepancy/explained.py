@@ -1,6 +1,6 @@
 """An angle explained, also as a sensor with levels reads it and as its simulation moves itself."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -9,12 +9,12 @@ from pipeline.discrepancy.fitting.fit import evaluate, improve
 from pipeline.discrepancy.judgement.rivals import predicted_by
 from pipeline.discrepancy.problem.cornered import moved_on
 from pipeline.discrepancy.problem.levels import BLURRED
-from pipeline.discrepancy.problem.one_wire import AS_STIFF, LOOSENING, SOFTER, on_one_wire
+from pipeline.discrepancy.problem.one_wire import LOOSENING, held_by_one, held_by_one_wire
 from pipeline.discrepancy.problem.problem import Problem
 from pipeline.discrepancy.problem.thinning import thinned
 from pipeline.discrepancy.search.explain import Explanation, explain
 from pipeline.discrepancy.search.refuted import not_noise
-from pipeline.discrepancy.search.weighing import LEAST_GAIN, by_names
+from pipeline.discrepancy.search.weighing import by_names
 from pipeline.physics.term import Term
 
 TRIED, FEW, CLEARLY, NEARLY = 12, 2, 2.0, 0.8
@@ -30,14 +30,13 @@ def explained(problem: Problem) -> tuple[Problem, Explanation]:
     average is known once what they should have read is; then it is taken off them.
     """
     explanation = explain(thinned(problem)[0])
-    ways = on_its_course, otherwise_simulated, under_load, moved_first, otherwise_moved
+    ways = on_its_course, otherwise_simulated, under_load, moved_first, otherwise_moved, on_one_wire
     for otherwise in ways:
         other = otherwise(problem, explanation)
         if other is not None:
             found = explain(thinned(other)[0])
-            if better_by_row(found, explanation):
+            if better_by_row(found, explanation) and loosened_if_on_one_wire(found):
                 problem, explanation = other, found
-    problem, explanation = unless_on_one_wire(problem, explanation)
     between = between_levels(problem, explanation)
     if between is problem:
         return problem, explanation
@@ -84,46 +83,6 @@ def otherwise_loaded(other: Problem | None, explanation: Explanation) -> Problem
     return where_better(other, explanation, lambda term: term.in_balance)
 
 
-def unless_on_one_wire(problem: Problem, explanation: Explanation) -> tuple[Problem, Explanation]:
-    """The problem and its explanation, or those of a joint that one wire holds, if clearly better.
-
-    Only what takes the other wire's pull away, slack or soft wire, makes one wire hold it.
-    """
-    if not unclear(explanation):
-        return problem, explanation
-    for ways in zip(*(on_one_wire(problem, far) for far in (AS_STIFF, *SOFTER)), strict=True):
-        other = nearly_as_good(ways, explanation)
-        if other is not None:
-            found = explain(thinned(other)[0])
-            loosened = any(name in LOOSENING for name in found.choices[0].fit.names)
-            if loosened and better_by_row(found, explanation):
-                problem, explanation = other, found
-    return problem, explanation
-
-
-def nearly_as_good(ways: Sequence[Problem], explanation: Explanation) -> Problem | None:
-    """The problem in which what loosens a joint explains most all by itself; the first if as much.
-
-    None where that is in none of them NEARLY what the best does.
-    """
-    search, best = explanation.search, explanation.choices[0]
-    loose = {
-        (p.term.name, p.term.form): p
-        for c in by_names([*explanation.choices, *search.seen.values()])
-        for p in c.fit.pieces
-        if p.term.name in LOOSENING
-    }
-    scores, empty = [], 0.0
-    for k, way in enumerate(ways):
-        ground = replace(best.fit.ground, problem=thinned(way)[0])
-        alone = [improve(evaluate(ground, (p,))) for p in loose.values()]
-        weighed = [search.weighed(fit, best.place).score for fit in (evaluate(ground, ()), *alone)]
-        empty = weighed[0] if k == 0 else empty
-        scores.append(min(weighed) + (LEAST_GAIN if k else 0.0))
-    enough = empty - NEARLY * (empty - best.score)
-    return ways[int(np.argmin(scores))] if min(scores) < enough else None
-
-
 def otherwise_moved(problem: Problem, explanation: Explanation) -> Problem | None:
     """The problem with its commands turning between samples, where that may explain more."""
     if problem.motion.corners is not None or not unclear(explanation):
@@ -132,6 +91,37 @@ def otherwise_moved(problem: Problem, explanation: Explanation) -> Problem | Non
     if other.motion.corners is None:
         return None
     return where_better(other, explanation, lambda term: bool(term.remembers))
+
+
+def on_one_wire(problem: Problem, explanation: Explanation) -> Problem | None:
+    """The problem of a joint that one wire holds, and two in its simulation, where that may be.
+
+    The one in which slack or soft wire explains most all by itself, and NEARLY as much as the best
+    of all does: these take the other wire's pull away.
+    """
+    search, best = explanation.search, explanation.choices[0]
+    loose = {
+        (p.term.name, p.term.form): p
+        for c in by_names([*explanation.choices, *search.seen.values()])
+        for p in c.fit.pieces
+        if p.term.name in LOOSENING
+    }
+    others = held_by_one_wire(problem) if loose and unclear(explanation) else []
+    found, least = None, np.inf
+    for other in others:
+        ground = replace(best.fit.ground, problem=thinned(other)[0])
+        empty = search.weighed(evaluate(ground, ()), best.place).score
+        alone = [improve(evaluate(ground, (piece,))) for piece in loose.values()]
+        score = min(search.weighed(fit, best.place).score for fit in alone)
+        if score < min(least, empty - NEARLY * (empty - best.score)):
+            found, least = other, score
+    return found
+
+
+def loosened_if_on_one_wire(found: Explanation) -> bool:
+    """Whether the best of an explanation loosens the joint, if its problem has one wire hold it."""
+    loosened = not LOOSENING.isdisjoint(found.choices[0].fit.names)
+    return loosened or not held_by_one(found.problem)
 
 
 def where_better(

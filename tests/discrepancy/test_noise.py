@@ -122,10 +122,12 @@ def test_cycles_that_lack_rows_still_repeat():
         assert prior.model.deviation == pytest.approx(NOISE, rel=0.1)
 
 
-def test_a_few_targets_a_cycle_repeat_too():
+@pytest.mark.parametrize("two_axes", [False, True])
+def test_a_few_targets_a_cycle_repeat_too(two_axes):
     """As in a test of positioning: what is rough there is the targets' own errors, not noise."""
-    whole = recorded({"transmission_ripple": {"amplitude": 3.0, "period": 9.0}}, seed=3)
-    samples = whole.samples.iloc[::6].reset_index(drop=True)
+    hidden = {"transmission_ripple": {"amplitude": 3.0, "period": 9.0}}
+    whole = recorded(hidden, seed=3, two_axes=two_axes)
+    samples = whole.samples.iloc[::8].reset_index(drop=True)
     prior = learn_noise(posed(Recording(samples, whole.channels, "simulated")))
     assert prior.repeats == 4
     assert prior.model.deviation == pytest.approx(NOISE, rel=0.3)

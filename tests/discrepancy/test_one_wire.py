@@ -7,9 +7,13 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
+from pipeline.discrepancy.explained import loosened_if_on_one_wire
 from pipeline.discrepancy.judgement.notes import ONE_WIRE
 from pipeline.discrepancy.model.result import Diagnosis
-from tests.discrepancy.made import SIMULATED, diagnosed, followed
+from pipeline.discrepancy.problem.one_wire import held_by_one_wire
+from pipeline.discrepancy.search.explain import explain
+from pipeline.recording import Recording
+from tests.discrepancy.made import SIMULATED, diagnosed, followed, posed
 
 WIRE, GAIN, NOISE = 15.0, 0.7, 0.15
 DRAWN_TIGHT, SLACK, TOE, SOFT = 12.0, -1.5, 3.0, 0.75
@@ -51,12 +55,16 @@ def joint(hold: float, tight: float, wire: float = WIRE, toe: float = 0.0) -> np
     return out
 
 
-def found_of(seen: np.ndarray, simulated: np.ndarray, seed: int) -> Diagnosis:
+def recording_of(seen: np.ndarray, simulated: np.ndarray, seed: int) -> Recording:
     asked = drive()
     noise = NOISE * np.random.default_rng(seed).standard_normal(len(asked))
     recording = followed(3.0 * np.arange(len(asked)), asked, seen + noise, 1.0 / 540.0)
     recording.samples[SIMULATED] = simulated
-    return diagnosed(recording).diagnoses[0]
+    return recording
+
+
+def found_of(seen: np.ndarray, simulated: np.ndarray, seed: int) -> Diagnosis:
+    return diagnosed(recording_of(seen, simulated, seed)).diagnoses[0]
 
 
 def said_of_one_wire(found: Diagnosis) -> list[str]:
@@ -80,8 +88,11 @@ def test_a_soft_wire_without_a_pull_is_alone_too(wire: float, times: str) -> Non
     assert said_of_one_wire(found) == [f": {times} times as far."]
 
 
-def test_friction_that_is_twice_as_much_is_named_where_both_wires_pull() -> None:
+def test_friction_that_is_twice_as_much_is_not_one_wire_alone() -> None:
     simulated = joint(5.0, DRAWN_TIGHT)
-    found = found_of(2.0 * simulated - GAIN * drive(), simulated, 5)
+    twice = 2.0 * simulated - GAIN * drive()
+    found = found_of(twice, simulated, 5)
     assert [p.name for p in found.physics] == ["friction"]
     assert not said_of_one_wire(found)
+    on_one = held_by_one_wire(posed(recording_of(twice, simulated, 5)))[0]
+    assert not loosened_if_on_one_wire(explain(on_one))

@@ -5,6 +5,11 @@ import numpy as np
 FEWEST_STEPS = 12
 
 
+def few(steps: np.ndarray) -> bool:
+    """Whether a cycle's steps, a mask, are too few for contrasts: FEWEST_STEPS do, or a third."""
+    return bool(steps.sum() < min(FEWEST_STEPS, len(steps) // 3))
+
+
 def numbered(rows: np.ndarray) -> np.ndarray:
     """When each of some repeats (repeats, steps) of row numbers came, over all, (repeats,)."""
     number = np.max(rows, axis=1).astype(float)

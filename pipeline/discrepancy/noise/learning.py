@@ -8,7 +8,7 @@ import numpy as np
 from scipy.optimize import minimize
 from scipy.special import chdtrc
 
-from pipeline.discrepancy.noise.contrast import FEWEST_STEPS, free_of, numbered
+from pipeline.discrepancy.noise.contrast import FEWEST_STEPS, few, free_of, numbered
 from pipeline.discrepancy.noise.force_noise import noise_of_force
 from pipeline.discrepancy.noise.noise import NoiseModel, whitened
 from pipeline.discrepancy.noise.other_axes import contrasted, ways_of_others, without_ways
@@ -158,7 +158,7 @@ def contrasts(residual: np.ndarray, rows: np.ndarray, finest: float) -> list[np.
     for pattern in np.unique(have, axis=1).T:
         steps = np.all(have == pattern[:, None], axis=0)
         degree = 1 if pattern.sum() >= 3 else 0
-        if pattern.sum() <= degree + 1 or steps.sum() < min(FEWEST_STEPS, values.shape[1] // 3):
+        if pattern.sum() <= degree + 1 or few(steps):
             continue
         free = free_of(number[pattern], degree)
         for j in range(free.shape[1]):

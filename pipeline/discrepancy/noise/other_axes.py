@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from pipeline.discrepancy.noise.contrast import FEWEST_STEPS, free_of, numbered
+from pipeline.discrepancy.noise.contrast import few, free_of, numbered
 from pipeline.physics.motion import Motion
 
 
@@ -26,7 +26,7 @@ def contrasted(values: np.ndarray, rows: np.ndarray, ways: np.ndarray) -> list[n
     As `learning.contrasts`, of the steps alone at which each repeat of `rows` was measured.
     """
     steps = np.isfinite(values).all(axis=0)
-    if len(rows) < 3 or steps.sum() < FEWEST_STEPS:
+    if len(rows) < 3 or few(steps):
         return []
     free = free_of(numbered(rows), 1)
     beside = np.concatenate([values[:, steps, None], ways[rows[:, steps]]], axis=2)

@@ -14,14 +14,14 @@ from pipeline.physics.own_amount import times
 from pipeline.physics.slack import Slack
 
 LOOSENING = frozenset({Slack.name, Compliance.name})
-AS_STIFF = 2.0
-SOFTER = (3.0, 4.5)
+TIMES_AS_FAR = 2.0, 3.0, 4.5  # by a wire that is as stiff as simulated, and by softer ones
 
 
-def on_one_wire(problem: Problem, farther: float = AS_STIFF) -> list[Problem]:
-    """The problem, however its simulation is taken apart, with its own loads as much farther."""
+def held_by_one_wire(problem: Problem) -> list[Problem]:
+    """The problem, however its simulation is taken apart, with its own loads TIMES_AS_FAR."""
     ways = (problem, problem.elsewhere, problem.loaded)
-    return [moved_farther(way, farther) for way in ways if way is not None and loads(way)]
+    loaded = [way for way in ways if way is not None and loads(way)]
+    return [moved_farther(way, farther) for way in loaded for farther in TIMES_AS_FAR]
 
 
 def loads(problem: Problem) -> bool:
