@@ -80,6 +80,7 @@ def test_slack_is_not_named_beside_friction_that_it_makes_count_twice() -> None:
     assert said_of_one_wire(found) == [": 2 times as far."]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("wire", "times"), [(WIRE, "2"), (WIRE / 1.6, "3")])
 def test_a_soft_wire_without_a_pull_is_alone_too(wire: float, times: str) -> None:
     found = found_of(joint(3.0, 0.0, wire, TOE), joint(3.0, DRAWN_TIGHT), 6)

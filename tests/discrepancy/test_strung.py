@@ -44,6 +44,7 @@ def pulled(command: np.ndarray, rubs: bool, touches: bool, dwell_s: float = 1.0)
     return out
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("rubs", "touches", "hidden"),
     [(True, False, {"friction", "creep"}), (False, True, {"contact", "creep"})],
