@@ -83,6 +83,7 @@ from pipeline.physics.yielding_wire import YieldingWire
 
 RUBS = (0.3, 1.0)
 ONE_WAVE = 0.6  # of the drive's range: a cubic beside its gain is hardly more than one wave
+MET_FIRMLY = (1.0, 4.0)  # over the stiffness of the wire
 BEND, BENDING, RISING = "bend", LensDistortion("second"), StiffeningJoint("progressive")
 SHEATH_FORCES = tuple(SheathForce(f) for f in ("near", "far", "near falling", "far falling"))
 PRESSED = tuple(
@@ -278,7 +279,8 @@ def instead(term: Term, values: np.ndarray, motion: Motion, around: Surroundings
     well, it has grown beside sharp corners to what no linear step leads away from. Nor does a step
     lead from what is late to the swing that is as late, of a motion that is sampled finely. Of a
     saw, waves of their own take the first few. A ripple of which the drive sees hardly more than a
-    wave may bend as a joint or a lens does, in forms that no search begins with.
+    wave may bend as a joint or a lens does, in forms that no search begins with. A stop into which
+    a motion goes only a little may be a contact that is soft, past where a search begins with one.
     """
     told = list(term.instead(values, motion, around))
     named = dict(zip((p.name for p in term.parameters(around)), values, strict=True))
@@ -287,6 +289,8 @@ def instead(term: Term, values: np.ndarray, motion: Motion, around: Surroundings
         told += [[(Friction(), np.array([width, part * width, 0.7]))] for part in RUBS]
     if named.get("period", 0.0) > ONE_WAVE * around.drive_span and term.periodic:
         told += [[(t, v)] for t in (RISING, BENDING) for v in t.candidates(motion, around)]
+    if term.name == EndStop.name:
+        told += [[(Contact(term.form), np.array([k, *values[:2]]))] for k in MET_FIRMLY]
     if term.form in MANY_WAVES:
         told += [[(SAW, values[:3])]]
     lag_s = named.get("lag" if term.form in OF_TIME else "time_constant", 0.0)

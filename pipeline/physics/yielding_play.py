@@ -60,7 +60,9 @@ class YieldingPlay(DrivePlay):
     Play as `backlash.py` has it pushes with rigid flanks. Teeth, pins and wires give a little, and
     the load, held by friction of its own, comes after: within half of the time from sample to
     sample at most, else it is a lag of the joint; in form "following", that stands in the place of
-    a small lag, within half a per cent of a cycle. It starts in the middle of its gap.
+    a small lag, within half a per cent of a cycle. What gives by more than the drive turns through
+    to reach it is no flank: then it is the whole that comes late. It starts in the middle of its
+    gap.
     Source: Nordin and Gutman, Automatica 38 (2002) 1633 (a shaft that gives behind a dead zone,
     its load overdamped).
     """
@@ -82,6 +84,10 @@ class YieldingPlay(DrivePlay):
             self.width(around),
             Parameter("settling", "s", 0.0, most, 0.5 * most, 0.0),
         )
+
+    def slight(self, values: np.ndarray, around: Surroundings) -> bool:
+        usual_speed = around.step / max(around.dwell_s, 1e-9)
+        return self.form != FOLLOWING and values[1] * usual_speed > 0.5 * values[0]
 
     def respond(
         self, signal: np.ndarray, motion: Motion, values: np.ndarray, state: np.ndarray | None

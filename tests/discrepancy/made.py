@@ -100,11 +100,22 @@ def strokes(turns: np.ndarray, rows: int) -> np.ndarray:
     return np.concatenate([np.linspace(a, b, rows, False) for a, b in ends])
 
 
-def followed(time_s: np.ndarray, drive: np.ndarray, seen: np.ndarray, pace_hz: float) -> Recording:
-    """A motion that the simulation has go where it is told, and what was seen of it, (n,) each."""
+def followed(
+    time_s: np.ndarray,
+    drive: np.ndarray,
+    seen: np.ndarray,
+    pace_hz: float,
+    simulated: np.ndarray | None = None,
+) -> Recording:
+    """A motion and what was seen of it, (n,) each; the simulation has it go where it is told.
+
+    Unless it is said where else.
+    """
     columns = [time_s, (pace_hz * time_s).astype(int), np.arange(len(drive)), drive, 0.0 * drive]
     named = ["time_s", "cycle", "step", *(c.name for c in CHANNELS)]
-    samples = pd.DataFrame(dict(zip(named, [*columns, seen, drive], strict=True)))
+    samples = pd.DataFrame(
+        dict(zip(named, [*columns, seen, drive if simulated is None else simulated], strict=True))
+    )
     return Recording(samples, CHANNELS, "simulated")
 
 

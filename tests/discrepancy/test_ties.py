@@ -16,7 +16,16 @@ from pipeline.discrepancy.search.ties import standing
 from pipeline.discrepancy.search.weighing import Choice
 from pipeline.physics.catalogue import term
 from pipeline.physics.piece import Piece
-from tests.discrepancy.made import NOISE, changed, chosen, posed, recorded
+from tests.discrepancy.made import (
+    NOISE,
+    changed,
+    chosen,
+    diagnosed,
+    followed,
+    names,
+    posed,
+    recorded,
+)
 
 
 @pytest.fixture(scope="module")
@@ -191,3 +200,20 @@ def test_how_stiff_a_contact_is_does_not_show_at_its_edge(ground, form, skin, al
     values = np.array([0.5, end - 3.0 * (1.0 if form == "upper" else -1.0), skin])
     best = Choice(evaluate(ground, [Piece(term("contact", form), values)]), (0, 0, 0), 0.0)
     assert standing("contact", best, [best], ground.problem).alternatives == alternatives
+
+
+def test_a_stop_that_a_single_position_goes_beyond_may_be_a_contact():
+    """A contact met between the last two positions, in noise that remembers."""
+    up, rng = np.arange(-10.8, 10.81, 0.4), np.random.default_rng(0)
+    drive = np.tile(np.concatenate([up, up[-1:], up[::-1], up[:1]]), 8)
+    angle = up[-1] - 0.6 * 0.4
+    seen = np.where(drive > angle, angle + 0.28 * (drive - angle), drive)
+    fresh = 0.019 * np.sqrt(1.0 - 0.75**2) * rng.standard_normal(len(drive))
+    noise = np.zeros(len(drive))
+    for k in range(1, len(drive)):
+        noise[k] = 0.75 * noise[k - 1] + fresh[k]
+    time_s = 0.1 * np.arange(1, len(drive) + 1)
+    result = diagnosed(followed(time_s, drive, seen + noise, 8 * 10.0 / len(drive)))
+    assert names(result) == {"end_stop"}
+    assert result.diagnoses[0].physics[0].alternatives == ("contact",)
+    assert result.diagnoses[0].verdict == "ambiguous"

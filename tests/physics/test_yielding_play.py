@@ -6,6 +6,7 @@ import pytest
 from pipeline.physics.catalogue import term
 from pipeline.physics.motion import Motion
 from pipeline.physics.play_operator import play
+from pipeline.physics.term import Surroundings
 
 WIDTH, STEP_S = 2.0, 0.01
 YIELDING = term("backlash", "yielding")
@@ -50,3 +51,9 @@ def test_it_is_what_fine_steps_come_to():
         at += STEP_S / fine / settling_s * beyond
         out[i] = at
     np.testing.assert_allclose(load(drive, settling_s), out[::fine], atol=0.02)
+
+
+@pytest.mark.parametrize(("settling_s", "slight"), [(0.005, False), (0.05, True)])
+def test_what_gives_by_more_than_the_gap_is_no_flank(settling_s, slight):
+    around = Surroundings(step=0.3, dwell_s=STEP_S)
+    assert YIELDING.slight(np.array([WIDTH, settling_s]), around) == slight

@@ -10,7 +10,13 @@ from pipeline.discrepancy.judgement.cancelling import CANCELLED, cancelling
 from pipeline.discrepancy.judgement.cycle_zero import about_each_zero
 from pipeline.discrepancy.judgement.form import one_for_many
 from pipeline.discrepancy.judgement.gradual import unless_gradual
-from pipeline.discrepancy.judgement.proof import counted_errors, disproved, refuted, strained
+from pipeline.discrepancy.judgement.proof import (
+    WALKS,
+    counted_errors,
+    disproved,
+    refuted,
+    strained,
+)
 from pipeline.discrepancy.judgement.rivals import predicted_by
 from pipeline.discrepancy.judgement.smooth_wander import (
     Beside,
@@ -140,6 +146,8 @@ def proved(
     off, counted = counted_errors(problem, explanation, best, predicted_by(problem, best))
     farthest = np.inf if walks_far(explanation, best) else far_walk(best)
     where = strained(problem, off, counted, best.fit.ground.noise, farthest)
+    if where == WALKS:
+        best = beside_a_rest(explanation, best, float(np.var(off[problem.train & counted])))
     return best, replace(structure, found=where is not None, where=where or structure.where)
 
 

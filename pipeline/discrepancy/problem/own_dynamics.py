@@ -31,7 +31,7 @@ def beside_curve(
         return nothing, False
     found = np.where(np.isfinite(simulated), simulated - curve(drive), 0.0)
     size = float(np.std(found[known]))
-    noise = noise_of_readings(measured[known], motion.time_s[known])
+    noise = noise_beside(simulated[known], measured[known], motion.time_s[known])
     slope = abs(curve.slope)
     counted, rough = slope * quantum_of(drive), slope * noise_of_motion(drive, motion.time_s)
     of_drive = COUNTED * counted < size < counted / OWN or NOISY * rough < size < rough / OWN
@@ -39,6 +39,15 @@ def beside_curve(
     if size <= least or of_drive:
         return nothing, False
     return found, goes_along(drive[known], simulated[known], measured[known])
+
+
+def noise_beside(simulated: np.ndarray, measured: np.ndarray, time_s: np.ndarray) -> float:
+    """Deviation of a measurement's white noise, arrays (n,) of samples that stand close or far.
+
+    Of positions far apart, which no motion joins smoothly, what the simulation leaves may be smooth
+    all the same.
+    """
+    return min(noise_of_readings(values, time_s) for values in (measured, measured - simulated))
 
 
 def goes_along(drive: np.ndarray, simulated: np.ndarray, measured: np.ndarray) -> bool:
