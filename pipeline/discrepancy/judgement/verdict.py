@@ -165,9 +165,7 @@ def fewer(explanation: Explanation, choice: Choice, structure: Structure) -> Cho
         if kept is not choice:
             kept = grown(explanation.search, kept)
         return plainer(explanation.search, kept)
-    base = next(c for c in explanation.choices if not c.fit.pieces)
-    noise = explanation.prior.model.deviation**2
-    before = mean_square(explanation, base) - noise
+    before = left_to_names(explanation)
     sure = structure.share * mismatch_variance(explanation)
     rest = max(rest_of(choice, explanation) ** 2, sure)
     small = not piled(choice) and rest < FORM_ERROR**2 * before
@@ -214,8 +212,7 @@ def one_at_most(explanation: Explanation, choice: Choice) -> Choice:
     from repeats may hide.
     """
     base = next(c for c in explanation.choices if not c.fit.pieces)
-    noise = explanation.prior.model.deviation**2
-    before = mean_square(explanation, base) - noise
+    noise, before = explanation.prior.model.deviation**2, left_to_names(explanation)
     single = min(singles(explanation, choice), key=lambda c: c.score)
     left = mean_square(explanation, single) - noise
     enough = left < (1.0 - ENOUGH) * before
@@ -236,13 +233,20 @@ def told_but_for_its_form(
     """The structure, which is none to be told where it is only the form of the names that stay.
 
     It is where all that is left beyond the noise is less than a twentieth of the mismatch (RMS):
-    a real wire is never quite the term. Its share and place stay. What swings, sticks or is at two
-    places by turns is no form of theirs.
+    a real wire is never quite the term. What gain and offset explain of it is no form of any name.
+    Its share and place stay. What swings, sticks or is at two places by turns is no form of theirs.
     """
     share = max(structure.share, share_left(explanation, choice))
-    small = share < FORM_ERROR**2 and structure.where not in NO_FORM
-    told = choice.fit.pieces and not piled(choice) and small
+    small = share * mismatch_variance(explanation) < FORM_ERROR**2 * left_to_names(explanation)
+    formal = small and structure.where not in NO_FORM
+    told = choice.fit.pieces and not piled(choice) and formal
     return replace(structure, found=False, share=share) if told else structure
+
+
+def left_to_names(explanation: Explanation) -> float:
+    """Mean square of the mismatch beyond the noise that gain and offset leave."""
+    base = next(c for c in explanation.choices if not c.fit.pieces)
+    return mean_square(explanation, base) - explanation.prior.model.deviation**2
 
 
 def rest_of(choice: Choice, explanation: Explanation) -> float:
