@@ -126,6 +126,12 @@ def test_a_rest_of_a_twentieth_of_the_mismatch_is_the_form_of_what_was_named(
     assert told_but_for_its_form(found, nothing, rest) == rest
 
 
+def test_what_a_wrong_gain_explains_makes_no_rest_a_form() -> None:
+    off = explained(recorded({"backlash": {"width": 4.0}}, gain=1.2))
+    rest = Structure(True, "the cycle", 5e-4, 1e-9)
+    assert told_but_for_its_form(off, off.choices[0], rest).found
+
+
 @pytest.mark.parametrize(
     ("repeats", "place", "pieces", "odds"),
     [

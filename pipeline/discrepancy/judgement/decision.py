@@ -137,7 +137,8 @@ def proved(
 ) -> tuple[Choice, Structure]:
     """What stays of the best choice, and what rest held-out rows leave to it.
 
-    sound: whether the calibration is one.
+    Beside a zero that walks far only names that plainly explain more. sound: whether the
+    calibration is one.
     """
     judge = without_repeats if unrepeated(explanation, best) else by_repeats
     best, structure = judge(problem, explanation, best, structure, sound)
