@@ -21,7 +21,6 @@ from pipeline.discrepancy.search.weighing import (
 from pipeline.physics.catalogue import ODD, with_richer
 
 STEPS, NEAR, FIRM, MOST_KEPT, AT_ONCE = 4, 40.0, 100.0, 2, 2
-PROMISED = 0.1  # of what is missing: what a first step promises less of hardly comes to it
 
 
 def oddly(search: Search, choices: list[Choice]) -> list[Choice]:
@@ -50,10 +49,7 @@ def oddly(search: Search, choices: list[Choice]) -> list[Choice]:
     found = [] if noise_alone else strung(search, best)
     for rest in kept.values():
         fit = improve(evaluate(ground, rest), STEPS)
-        missing = fit.cost - best.fit.cost
         for leads in by_term(screen(fit, other.effects, allowed(shown, fit), quick=True)):
-            if leads[0].gain < PROMISED * missing:
-                continue
             trial = snapped_into_place(improve(started(fit, leads), STEPS))
             if search.hoped(trial, best.place) < best.score + NEAR:
                 found.append(search.weighed(improve(trial, 2 * ITERATIONS), best.place))
