@@ -107,15 +107,11 @@ def followed(
     pace_hz: float,
     simulated: np.ndarray | None = None,
 ) -> Recording:
-    """A motion and what was seen of it, (n,) each; the simulation has it go where it is told.
-
-    Unless it is said where else.
-    """
+    """A motion and what was seen of it, (n,) each, simulated to go where it is told or as said."""
     columns = [time_s, (pace_hz * time_s).astype(int), np.arange(len(drive)), drive, 0.0 * drive]
     named = ["time_s", "cycle", "step", *(c.name for c in CHANNELS)]
-    samples = pd.DataFrame(
-        dict(zip(named, [*columns, seen, drive if simulated is None else simulated], strict=True))
-    )
+    told = drive if simulated is None else simulated
+    samples = pd.DataFrame(dict(zip(named, [*columns, seen, told], strict=True)))
     return Recording(samples, CHANNELS, "simulated")
 
 

@@ -8,7 +8,7 @@ import pytest
 from pipeline.config import DiagnosisConfig, ToleranceConfig
 from pipeline.discrepancy.fitting.charge import TERM_COST, VOID, absurd_calibration, complexity
 from pipeline.discrepancy.fitting.effects import effects_of
-from pipeline.discrepancy.fitting.fit import evaluate, improve, jacobian, slopes_beside
+from pipeline.discrepancy.fitting.fit import evaluate, improve, jacobian, slopes_beside, spanned
 from pipeline.discrepancy.fitting.ground import ground_of
 from pipeline.discrepancy.fitting.screen import screen, started
 from pipeline.discrepancy.judgement.verdict import intolerable
@@ -69,6 +69,20 @@ def test_the_gain_of_a_simulation_may_have_been_fitted_to_what_gives_way(gain, e
 def test_every_parameter_has_a_slope():
     slopes = jacobian(fitted(2))
     assert np.all(np.sum(slopes**2, axis=0) > 1.0)
+
+
+def test_parameters_that_say_the_same_span_no_direction_of_chance():
+    """Of any lengths: a slope by the time and one by the count of an encoder stand side by side."""
+    rng = np.random.default_rng(0)
+    one, other, unlike = rng.standard_normal((3, 200))
+    off = [1e-12 * rng.standard_normal(200) for _ in range(2)]
+    bases = [
+        spanned(np.column_stack([one, 1e5 * other, np.zeros(200), 1e-3 * (one + other) + rounding]))
+        for rounding in off
+    ]
+    along = [basis @ (basis.T @ unlike) for basis in bases]
+    assert bases[0].shape == bases[1].shape == (200, 2)
+    np.testing.assert_allclose(along[0], along[1], atol=1e-9)
 
 
 def test_slopes_beside_another_fit_are_taken_over_for_the_pieces_of_both():

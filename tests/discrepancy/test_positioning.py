@@ -1,6 +1,7 @@
 """Tests of positioning: few targets far apart, from either side, of a simulation with own play."""
 
 import numpy as np
+import pytest
 
 from pipeline.physics.play_operator import play
 from tests.discrepancy.made import diagnosed, followed, names, posed
@@ -28,4 +29,4 @@ def test_play_that_the_simulation_knows_is_left_out_by_nobody():
 
 
 def test_what_is_taken_off_both_is_that_play():
-    assert abs(posed(positioned(0.0)).own / HALF - 1.0) < 0.1
+    assert posed(positioned(0.0)).own == pytest.approx(HALF, rel=0.1)

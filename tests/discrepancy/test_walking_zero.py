@@ -6,10 +6,8 @@ import numpy as np
 import pytest
 
 from pipeline.discrepancy.fitting.ground import ground_of
-from pipeline.discrepancy.judgement import decision
 from pipeline.discrepancy.judgement.cycle_zero import leaves_less
-from pipeline.discrepancy.judgement.proof import WALKS, counted_errors, strained
-from pipeline.discrepancy.judgement.structure import Structure
+from pipeline.discrepancy.judgement.proof import counted_errors, strained
 from pipeline.discrepancy.judgement.walking_zero import (
     walk_in_a_cycle,
     walks_far,
@@ -131,19 +129,3 @@ def test_of_zeros_that_walk_few_are_told_as_drifts_and_of_drifts_as_large_most()
         drifts += [p.name for p in told[1].physics] == ["drift"]
     assert walks <= 2
     assert drifts >= 23
-
-
-def test_beside_it_no_name_stays_that_explains_less(monkeypatch):
-    recording = recorded(PLAY | {"drift/linear": {"rate": 2e-4}}, cycles=9)
-    zero = np.cumsum(0.3 * NOISE * np.random.default_rng(5).standard_normal(9 * STEPS))
-    problem = posed(changed(recording, **{ANGLE: recording.values(ANGLE) + zero}))
-    ground = ground_of(problem, NoiseModel(white=NOISE, walk=0.3 * NOISE), problem.train)
-    both = chosen(ground, 0.0, backlash=[4.0], drift=[2e-4])
-    explanation = explanation_of([both, chosen(ground, 90.0)], repeats=6)
-    still = Structure(False, None, 0.0, 1.0)
-    for where, said in ((None, {"backlash", "drift"}), (WALKS, {"backlash"})):
-        monkeypatch.setattr(decision, "by_repeats", lambda *_: (both, still))
-        monkeypatch.setattr(decision, "strained", lambda *_, where=where: where)
-        kept, rest = decision.proved(problem, explanation, both, still, True)
-        assert set(kept.fit.names) == said
-        assert (rest.found, rest.where) == (where is not None, where)

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
+from scipy.linalg import orth
 
 from pipeline.discrepancy.fitting.ground import Box, Ground
 from pipeline.discrepancy.fitting.normal import added, regressed, solved, stepped
@@ -19,6 +20,7 @@ TRUSTED = 0.25
 BEHIND = 200.0
 FIRST_DAMPING = 1e-2
 SHARE_OF_VALUE = 0.02
+DEPENDENT = 1e-5
 FITTED = 2.0  # -2 log odds that a simulation's gain was fitted to its robot
 
 
@@ -89,7 +91,7 @@ class Fit:
     @cached_property
     def basis(self) -> np.ndarray:
         """Orthonormal columns of all that the fit can follow already, (count, m)."""
-        return np.linalg.qr(np.column_stack([self.calibrating, self.slopes]))[0]
+        return spanned(np.column_stack([self.calibrating, self.slopes]))
 
     @cached_property
     def takes_over(self) -> tuple[np.ndarray, np.ndarray]:
@@ -103,7 +105,7 @@ class Fit:
         held, count = self.ground.nuisances.held, len(self.innovations)
         prior = np.hstack([held, np.zeros((len(held), self.free))])
         columns = np.vstack([np.hstack([self.calibrating, self.slopes]), prior])
-        basis = np.linalg.qr(columns)[0]
+        basis = spanned(columns)
         off = held @ (self.expected - self.nuisance)
         return basis[:count], self.innovations @ basis[:count] + off @ basis[count:]
 
@@ -125,6 +127,15 @@ class Fit:
     @cached_property
     def key(self) -> frozenset[tuple[str, str]]:
         return frozenset((p.term.name, p.term.form) for p in self.pieces)
+
+
+def spanned(columns: np.ndarray) -> np.ndarray:
+    """Orthonormal columns (n, k) of all that some columns (n, m) of any lengths span.
+
+    A direction in which they differ by DEPENDENT of their length or less is rounding, and chance.
+    """
+    lengths = np.sqrt(np.sum(columns * columns, axis=0))
+    return np.asarray(orth(columns / np.where(lengths > 0.0, lengths, 1.0), DEPENDENT))
 
 
 def parameters_of(ground: Ground, term: Term) -> tuple[Parameter, ...]:

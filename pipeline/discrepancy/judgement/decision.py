@@ -10,13 +10,7 @@ from pipeline.discrepancy.judgement.cancelling import CANCELLED, cancelling
 from pipeline.discrepancy.judgement.cycle_zero import about_each_zero
 from pipeline.discrepancy.judgement.form import one_for_many
 from pipeline.discrepancy.judgement.gradual import unless_gradual
-from pipeline.discrepancy.judgement.proof import (
-    WALKS,
-    counted_errors,
-    disproved,
-    refuted,
-    strained,
-)
+from pipeline.discrepancy.judgement.proof import counted_errors, disproved, refuted, strained
 from pipeline.discrepancy.judgement.rivals import predicted_by
 from pipeline.discrepancy.judgement.smooth_wander import (
     Beside,
@@ -137,8 +131,7 @@ def proved(
 ) -> tuple[Choice, Structure]:
     """What stays of the best choice, and what rest held-out rows leave to it.
 
-    Beside a zero that walks far only names that plainly explain more. sound: whether the
-    calibration is one.
+    sound: whether the calibration is one.
     """
     judge = without_repeats if unrepeated(explanation, best) else by_repeats
     best, structure = judge(problem, explanation, best, structure, sound)
@@ -147,8 +140,6 @@ def proved(
     off, counted = counted_errors(problem, explanation, best, predicted_by(problem, best))
     farthest = np.inf if walks_far(explanation, best) else far_walk(best)
     where = strained(problem, off, counted, best.fit.ground.noise, farthest)
-    if where == WALKS:
-        best = beside_a_rest(explanation, best, float(np.var(off[problem.train & counted])))
     return best, replace(structure, found=where is not None, where=where or structure.where)
 
 

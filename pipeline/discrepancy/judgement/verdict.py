@@ -221,10 +221,9 @@ def one_at_most(explanation: Explanation, choice: Choice) -> Choice:
 
 def leaves_much(explanation: Explanation, choice: Choice) -> bool:
     """Whether several names leave more than one alone might (`one_at_most`), shared among them."""
-    base = next(c for c in explanation.choices if not c.fit.pieces)
-    noise = explanation.prior.model.deviation**2
-    left, before = (mean_square(explanation, c) - noise for c in (choice, base))
-    return len(names(choice)) > 1 and left * len(names(choice)) > (1.0 - ENOUGH) * before
+    left = mean_square(explanation, choice) - explanation.prior.model.deviation**2
+    most = (1.0 - ENOUGH) * left_to_names(explanation)
+    return len(names(choice)) > 1 and left * len(names(choice)) > most
 
 
 def told_but_for_its_form(
