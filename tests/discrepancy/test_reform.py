@@ -1,5 +1,7 @@
 """Forms of a term that hold more than the one that was found."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -7,9 +9,11 @@ from pipeline.discrepancy.fitting.fit import evaluate, improve
 from pipeline.discrepancy.fitting.ground import ground_of
 from pipeline.discrepancy.fitting.reform import reformed
 from pipeline.discrepancy.noise.noise import NoiseModel
+from pipeline.discrepancy.search import growth
+from pipeline.discrepancy.search.weighing import Choice, Search
 from pipeline.physics.catalogue import richer, term
 from pipeline.physics.piece import Piece
-from tests.discrepancy.made import posed, recorded
+from tests.discrepancy.made import explanation_of, posed, recorded
 
 QUIET = 0.05
 
@@ -79,3 +83,16 @@ def test_edges_that_come_less_than_three_times_are_no_teeth():
     waves = Piece(term("transmission_ripple", "third afloat"), np.array([*long.values()]))
     toothed = reformed(evaluate(ground, [waves]), 0, term("transmission_ripple", "odd afloat"))
     assert toothed.pieces[0].values[1] <= ground.problem.around.drive_span / 3.0
+
+
+@pytest.mark.parametrize(("better", "takes"), [(1e-6, False), (0.01, True)])
+def test_a_form_that_is_better_by_rounding_takes_no_place(better, takes, monkeypatch):
+    """As what another axis drives directly or through a curve that is straight."""
+    ground = ground_with({"backlash": {"width": 2.0}})
+    plain = Choice(evaluate(ground, [Piece(term("backlash"), np.array([2.0]))]), (0, 0, 0), 0.0)
+    search = explanation_of([plain]).search
+    other = evaluate(ground, [Piece(term("backlash", "pin"), np.array([1.4]))])
+    alike = replace(other, cost=plain.fit.cost - better)
+    monkeypatch.setattr(growth, "reformed", lambda *_: alike)
+    monkeypatch.setattr(Search, "weighed", lambda _, fit, place: Choice(fit, place, -better))
+    assert (growth.grown(search, plain).fit is alike) == takes

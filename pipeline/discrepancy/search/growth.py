@@ -8,12 +8,15 @@ from pipeline.discrepancy.search.weighing import Choice, Search
 from pipeline.physics.catalogue import richer, with_richer
 from pipeline.physics.term import Term
 
+EVEN = 1e-3
+
 
 def grown(search: Search, choice: Choice, but: Container[str] = ()) -> Choice:
     """The choice with each term in the richer form that its score prefers, if any.
 
-    but: names whose forms stay. A form that fits no better can't be worth its parameters. What is
-    scanned for is looked for beside the form as it was: another one may have taken a part of it.
+    but: names whose forms stay. A form that fits no better can't be worth its parameters; one that
+    is better by rounding (EVEN) is as good. What is scanned for is looked for beside the form as it
+    was: another one may have taken a part of it.
     """
     problem = choice.fit.ground.problem
     for i, piece in enumerate(choice.fit.pieces):
@@ -26,10 +29,10 @@ def grown(search: Search, choice: Choice, but: Container[str] = ()) -> Choice:
                 continue
             fit = reformed(begun if term.scanned else choice.fit, i, term)
             trial, behind = choice, max(complexity(fit) - complexity(choice.fit), 0.0)
-            if fit.cost < choice.fit.cost:
+            if fit.cost < choice.fit.cost - EVEN:
                 trial = search.weighed(fit, choice.place)
                 behind = trial.score - choice.score
-            if trial.score < choice.score:
+            if trial.score < choice.score - EVEN:
                 choice = trial
             else:
                 search.vain[key] = choice.score, behind
@@ -47,7 +50,7 @@ def simpler(search: Search, choice: Choice) -> Choice:
             if search.tried_in_vain(key, choice):
                 continue
             trial = search.weighed(reformed(choice.fit, i, term), choice.place)
-            if trial.score < choice.score:
+            if trial.score < choice.score - EVEN:
                 return simpler(search, trial)
             search.vain[key] = choice.score, trial.score - choice.score
     return choice
