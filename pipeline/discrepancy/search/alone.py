@@ -2,7 +2,7 @@
 
 from pipeline.discrepancy.search.choose import extended
 from pipeline.discrepancy.search.polish import polished
-from pipeline.discrepancy.search.refuted import worth_a_polish
+from pipeline.discrepancy.search.refuted import not_noise, worth_a_polish
 from pipeline.discrepancy.search.weighing import Choice, Search, among, best_of_each
 from pipeline.physics.backlash import Backlash
 from pipeline.physics.catalogue import BEND, UNEVENLY_WORN, richer
@@ -10,15 +10,16 @@ from pipeline.physics.term import Term
 
 
 def alone(search: Search, choices: list[Choice]) -> list[Choice]:
-    """The choices (best first); where the best has several names, those of one richer form, too.
+    """The choices (best first), and those of one richer form.
 
-    What a richer form of a bend explains that its plain one can't is taken up by others (ripple,
-    contact, stops) as a search grows: no step leads from them to the one. So is what differs in
-    worn play from place to place; grown from plain play, that would mop up what comes beside it.
+    These where the best has several names, or leaves what is no noise, as repeats say. What a
+    richer form of a bend explains that its plain one can't is taken up by others (ripple, contact,
+    stops) as a search grows: no step leads from them to the one. So is what differs in worn play
+    from place to place; grown from plain play, that would mop up what comes beside it.
     """
     best = choices[0]
     base = next(c for c in choices if not c.fit.pieces)
-    if len(best.fit.pieces) < 2:
+    if len(best.fit.pieces) < 2 and not not_noise(search, best):
         return choices
     problem = base.fit.ground.problem
     bends = (t for t in unsearched(search) if t.group == BEND)
