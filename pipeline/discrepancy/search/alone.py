@@ -1,5 +1,6 @@
 """One bend or play in a richer form in place of several names."""
 
+from pipeline.discrepancy.fitting.effects import late
 from pipeline.discrepancy.search.choose import extended
 from pipeline.discrepancy.search.polish import polished
 from pipeline.discrepancy.search.refuted import not_noise, worth_a_polish
@@ -12,14 +13,16 @@ from pipeline.physics.term import Term
 def alone(search: Search, choices: list[Choice]) -> list[Choice]:
     """The choices (best first), and those of one richer form.
 
-    These where the best has several names, or leaves what is no noise, as repeats say. What a
-    richer form of a bend explains that its plain one can't is taken up by others (ripple, contact,
-    stops) as a search grows: no step leads from them to the one. So is what differs in worn play
-    from place to place; grown from plain play, that would mop up what comes beside it.
+    These where the best has several names, or is a loop that leaves what is no noise, as repeats
+    say. What a richer form of a bend explains that its plain one can't is taken up by others
+    (ripple, contact, stops) as a search grows: no step leads from them to the one. So is what
+    differs in worn play from place to place; grown from plain play, that would mop up what comes
+    beside it.
     """
     best = choices[0]
     base = next(c for c in choices if not c.fit.pieces)
-    if len(best.fit.pieces) < 2 and not not_noise(search, best):
+    one_loop = bool(late(best.fit)) and not_noise(search, best)
+    if len(best.fit.pieces) < 2 and not one_loop:
         return choices
     problem = base.fit.ground.problem
     bends = (t for t in unsearched(search) if t.group == BEND)
