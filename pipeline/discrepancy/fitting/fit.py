@@ -20,7 +20,7 @@ TRUSTED = 0.25
 BEHIND = 200.0
 FIRST_DAMPING = 1e-2
 SHARE_OF_VALUE = 0.02
-DEPENDENT = 1e-5
+DEPENDENT = 1e-7
 FITTED = 2.0  # -2 log odds that a simulation's gain was fitted to its robot
 
 

@@ -6,6 +6,7 @@ from itertools import combinations
 from pipeline.discrepancy.fitting.fit import ITERATIONS, evaluate, improve
 from pipeline.discrepancy.fitting.screen import screen, started
 from pipeline.discrepancy.search.choose import allowed, by_term, extended
+from pipeline.discrepancy.search.growth import grown
 from pipeline.discrepancy.search.polish import polished
 from pipeline.discrepancy.search.refuted import not_noise, worth_a_polish
 from pipeline.discrepancy.search.snapped import snapped_into_place
@@ -21,6 +22,7 @@ from pipeline.discrepancy.search.weighing import (
 from pipeline.physics.catalogue import ODD, with_richer
 
 STEPS, NEAR, FIRM, MOST_KEPT, AT_ONCE = 4, 40.0, 100.0, 2, 2
+ODD_FORMS = {(t.name, t.form) for t in with_richer(ODD)}
 
 
 def oddly(search: Search, choices: list[Choice]) -> list[Choice]:
@@ -55,6 +57,7 @@ def oddly(search: Search, choices: list[Choice]) -> list[Choice]:
                 found.append(search.weighed(improve(trial, 2 * ITERATIONS), best.place))
     more = best_of_each([*choices, *found])
     if more[0].score < best.score - LEAST_GAIN:
+        more = best_of_each([*more, *by_themselves(search, more[0])])
         if not worth_a_polish(search, more[0], best):
             more = best_of_each([*more, *extended(search, more[0])])
         if worth_a_polish(search, more[0], best):
@@ -62,8 +65,20 @@ def oddly(search: Search, choices: list[Choice]) -> list[Choice]:
     return [c for c in more if not may_mop_up(c, best)]
 
 
+def by_themselves(search: Search, choice: Choice) -> list[Choice]:
+    """Those of ODD in a choice without its other terms, in the forms that suit them best so.
+
+    What stands beside one may be what a form of it has besides.
+    """
+    own = [p for p in choice.fit.pieces if (p.term.name, p.term.form) in ODD_FORMS]
+    if not 0 < len(own) < len(choice.fit.pieces):
+        return []
+    fit = improve(evaluate(choice.fit.ground, own), 2 * ITERATIONS)
+    return [grown(search, search.weighed(fit, choice.place))]
+
+
 def may_mop_up(choice: Choice, best: Choice) -> bool:
     """Whether one of ODD was taken besides as many names, for hardly more than others leave."""
-    odd = choice.fit.key & {(t.name, t.form) for t in with_richer(ODD)}
+    odd = not choice.fit.key.isdisjoint(ODD_FORMS)
     further = len(names(choice)) > len(names(best))
     return bool(odd and further and choice.score > best.score - FIRM)
